@@ -23,7 +23,7 @@ from rubnoise.contact.distributions import Fixed, Law, Lognormal
 from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, Pulse
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
-from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.sink import Extent
 from rubnoise.simulation.draws import draw_block, past, start
 from rubnoise.simulation.extent import extent

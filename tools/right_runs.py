@@ -20,7 +20,7 @@ from rubnoise.analysis.agreement import FAMILY_WISE_ERROR  # noqa: E402
 from rubnoise.analysis.comparison import compare  # noqa: E402
 from rubnoise.analysis.findings import Comparison  # noqa: E402
 from rubnoise.model import Model  # noqa: E402
-from rubnoise.record.memory import MemoryRecord  # noqa: E402
+from rubnoise.record.reader import MemoryRecord  # noqa: E402
 from rubnoise.scenario import loads  # noqa: E402
 from rubnoise.simulation.extent import extent  # noqa: E402
 from rubnoise.simulation.run import simulate  # noqa: E402

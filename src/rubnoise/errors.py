@@ -57,7 +57,6 @@ class ScenarioRefused(Refused):
     """A scenario with problems; the message lists all of them."""
 
     def __str__(self) -> str:
-        """Return the list of all problems."""
         return Exception.__str__(self)
 
 
@@ -95,7 +94,6 @@ class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no
     """A run was stopped by a signal; the exit code is 128 plus the signal's number, as in a shell."""
 
     def __init__(self, signal_number: int) -> None:
-        """Keep the number of the signal."""
         super().__init__(signal_number)
         self.exit_code = 128 + signal_number
 

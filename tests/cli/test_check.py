@@ -13,7 +13,7 @@ from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.shipped import by_name
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 from rubnoise.scenario.sweep_keys import Sweeping
-from rubnoise.scenario.template import template
+from rubnoise.scenario.written import template
 from rubnoise.storage import forecast
 from tests.cli.terminal import call, names
 from tests.cli.test_refusals import BROKEN, MANY

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rubnoise.model import Model
-from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.sink import Tee
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate

@@ -7,7 +7,7 @@ from rubnoise.contact.distributions import Law
 from rubnoise.contact.laws import LAWS
 from rubnoise.inference.signal import Signal
 from rubnoise.model import Model
-from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import MemoryRecord
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
 

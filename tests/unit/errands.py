@@ -5,7 +5,7 @@ import signal
 from pathlib import Path
 
 from rubnoise.errors import Refused
-from rubnoise.scenario.points import Point
+from rubnoise.scenario.sweep import Point
 
 
 def name_and_process(point: Point) -> tuple[str, int]:

@@ -220,7 +220,7 @@ def test_every_length_in_it_is_right(tmp_path: Path, count: int) -> None:
     file = _chunks(whole)[b"RIFF"]
     assert file[:4] == b"WAVE"
     chunks = _chunks(file[4:])
-    assert list(chunks) == [b"fmt ", b"LIST", b"data"]
+    assert list(chunks) == [b"fmt ", b"data", b"LIST"]
     # PCM, one channel, samples and bytes a second, bytes and bits a sample.
     assert struct.unpack("<HHIIHH", chunks[b"fmt "]) == (1, 1, 48_000, 144_000, 3, 24)
     assert len(chunks[b"data"]) == 3 * count

@@ -17,7 +17,7 @@ from rubnoise.analysis.run_summary import CURVES, curve_theory
 from rubnoise.contact.pulses import junction_area
 from rubnoise.errors import RunFileRefused, RunStopped, ScenarioRefused
 from rubnoise.record.rows import JunctionState
-from rubnoise.runs.point_file import numbers_in, summarised
+from rubnoise.runs.folder import numbers_in, summarised
 from rubnoise.scenario.sweep import expand
 from tests.cli.terminal import CONTACT, WITH_SLIDER, names
 from tests.unit.scenarios import GRID, sweep_of

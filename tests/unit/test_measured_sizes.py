@@ -8,8 +8,8 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import Refused
-from rubnoise.scenario.points import run_id
 from rubnoise.scenario.reading import hash_of, loads
+from rubnoise.scenario.sweep import run_id
 from tests.cli.terminal import call
 
 HEAD = 'format = 1\n[interface]\nmean_real_contact_area = "200 um^2"\nmean_junction_count = 20\n'

@@ -9,7 +9,7 @@ import pytest
 import rubnoise
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import RunFileRefused
-from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.sink import Extent
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve, stored_pulse
 

@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 
 from rubnoise.scenario.document import SECTIONS, TOP
-from rubnoise.scenario.problems import Place, Problem
 from rubnoise.scenario.sweep import load_either
-from rubnoise.scenario.text import read_toml
+from rubnoise.scenario.text import Place, Problem, read_toml
 from tests.unit.scenarios import WHOLE, refusal, whole
 
 

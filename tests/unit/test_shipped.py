@@ -9,11 +9,10 @@ import rubnoise
 from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio
 from rubnoise.record.tally import Tally
-from rubnoise.runs.measuring import Measurement, run_points
+from rubnoise.runs.making import Measurement, run_points
 from rubnoise.scenario import Scenario
-from rubnoise.scenario.points import points_of
 from rubnoise.scenario.shipped import shipped
-from rubnoise.scenario.sweep import Sweep, load_sweep
+from rubnoise.scenario.sweep import Sweep, load_sweep, points_of
 from rubnoise.theory.exact import Exact
 from tests.architecture.sources import ROOT
 

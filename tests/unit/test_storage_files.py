@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rubnoise.errors import RubnoiseError
-from rubnoise.storage.disk import write_all
+from rubnoise.regular_file import write_all
 from rubnoise.storage.reader import open_run
 from tests.format.runs import Compression, attempt, describe, random_rows, write_run
 

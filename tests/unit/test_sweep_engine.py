@@ -17,11 +17,9 @@ from rubnoise.errors import Refused, RunStopped
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.runs import executors
-from rubnoise.runs.attempts import Attempts, Outcome
-from rubnoise.runs.executors import Here, Workers, WorkLost, given, local
-from rubnoise.runs.measuring import Measurement, run_points
-from rubnoise.scenario.points import Point
-from rubnoise.scenario.sweep import expand
+from rubnoise.runs.executors import Attempts, Here, Outcome, Workers, WorkLost, given, local
+from rubnoise.runs.making import Measurement, run_points
+from rubnoise.scenario.sweep import Point, expand
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from tests.unit import errands

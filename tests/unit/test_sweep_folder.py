@@ -11,13 +11,12 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import OutputRefused, RunFileRefused
-from rubnoise.runs import point_file, sweep
-from rubnoise.runs.folder import Shard, check_folder
+from rubnoise.runs import folder as place
+from rubnoise.runs import sweep
+from rubnoise.runs.folder import Shard, check_folder, file_of, found, read
 from rubnoise.runs.making import describe
-from rubnoise.runs.point_file import file_of, found, read
 from rubnoise.runs.verify import verify_sweep
-from rubnoise.scenario.points import run_id
-from rubnoise.scenario.sweep import Sweep, expand
+from rubnoise.scenario.sweep import Sweep, expand, run_id
 from rubnoise.storage.writer import RunWriter
 from tests.unit.scenarios import GRID, sweep_of
 
@@ -72,9 +71,9 @@ def being_made(path: Path, folder: Path) -> RunWriter:
 def made(call: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> int:
     """Return how many runs a call makes."""
     count: list[object] = []
-    whole = point_file.play
+    whole = place.play
     with monkeypatch.context() as patch:
-        patch.setattr(point_file, "play", lambda *given, **named: (count.append(given), whole(*given, **named))[1])
+        patch.setattr(place, "play", lambda *given, **named: (count.append(given), whole(*given, **named))[1])
         call()
     return len(count)
 

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from rubnoise.scenario import build
-from rubnoise.scenario.points import canonical
-from rubnoise.scenario.sweep import Sweep, expand
+from rubnoise.scenario.sweep import Sweep, canonical, expand
 from rubnoise.streams import SEED_LIMIT
 from tests.unit.scenarios import GRID, HEAD, sweep_of
 

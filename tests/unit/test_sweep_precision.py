@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from rubnoise.record.tally import Tally
-from rubnoise.runs.measuring import Measurement, measured
-from rubnoise.runs.stopping_rule import AdaptiveReplicates
-from rubnoise.scenario.points import Point, points_of
-from rubnoise.scenario.sweep import Sweep
+from rubnoise.runs.making import Measurement, measured
+from rubnoise.runs.sweep import AdaptiveReplicates
+from rubnoise.scenario.sweep import Point, Sweep, points_of
 from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS, Sweeping
 from tests.unit.scenarios import GRID, sweep_of, sweep_refusal
 from tests.verification.scores import seed_of

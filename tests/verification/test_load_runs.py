@@ -16,7 +16,7 @@ from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.third_octaves import heard_bands
 from rubnoise.contact.distributions import Lognormal
 from rubnoise.model import Model, Slider
-from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.simulation import draws, run
 from rubnoise.simulation import linear as engine

@@ -15,7 +15,7 @@ from rubnoise.analysis.findings import Comparison
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, PARABOLA, Pulse, area_of
 from rubnoise.model import Model, Slider
-from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
 from rubnoise.simulation import draws

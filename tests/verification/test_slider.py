@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model, Slider
-from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import MemoryRecord
 from tests.models import FIG5_SLIDER, UNEQUAL, model, recorded
 from tests.models import model as figure_5
 from tests.oracle import sliders

@@ -13,7 +13,7 @@ from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio_of_pairs
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
-from rubnoise.scenario.points import Case, points_of
+from rubnoise.scenario.sweep import Case, points_of
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
 from tests.architecture.sources import ROOT

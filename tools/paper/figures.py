@@ -11,12 +11,11 @@ from rubnoise.api.running import simulate
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style
-from rubnoise.record.memory import MemoryRecord
-from rubnoise.runs.measuring import Measurement, run_points
+from rubnoise.record.reader import MemoryRecord
+from rubnoise.runs.making import Measurement, run_points
 from rubnoise.scenario import Scenario, load
-from rubnoise.scenario.points import Point
 from rubnoise.scenario.shipped import shipped
-from rubnoise.scenario.sweep import expand, load_sweep
+from rubnoise.scenario.sweep import Point, expand, load_sweep
 from rubnoise.storage.output import check_output, whole_file
 
 FIGURES: Final = {

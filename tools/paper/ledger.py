@@ -15,8 +15,8 @@ from typing import Any, Final
 from paper.quantities import QUANTITIES, Band, Quantity, Run
 from rubnoise.analysis.replicates import PooledEstimate, difference, estimate, ratio
 from rubnoise.model import Model
-from rubnoise.record.memory import MemoryRecord
-from rubnoise.runs.measuring import Measurement, run_points
+from rubnoise.record.reader import MemoryRecord
+from rubnoise.runs.making import Measurement, run_points
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
 

@@ -13,7 +13,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.distributions import Fixed
 from rubnoise.model import Model
-from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.rows import ContactKind
 from rubnoise.theory.exact import exact
 from rubnoise.theory.moments import area_cumulants, force_cumulants

@@ -14,8 +14,8 @@ from rubnoise.api.running import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.figures.style import BLUE, CONFIDENCE, INK, SERIES, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
-from rubnoise.record.memory import MemoryRecord
-from rubnoise.runs.measuring import Measurement
+from rubnoise.record.reader import MemoryRecord
+from rubnoise.runs.making import Measurement
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import spectral_density

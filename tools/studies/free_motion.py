@@ -23,7 +23,7 @@ from scipy.special import stdtr
 
 from rubnoise.analysis.agreement import normal_deviate
 from rubnoise.model import Model, Separation
-from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.rows import ContactKind
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate

@@ -51,7 +51,7 @@ def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dic
     Raises RunFileRefused for a number that is not finite and a diameter that is not positive.
     """
     for chunk in chunks(rows, group, CHECKED_ROWS):
-        found = {name: chunk[name] for name in names if name in chunk}
+        found = {name: chunk[name] for name in names if name in rows.columns[group]}
         check_numbers(group, range(chunk.first, chunk.end), found)
         yield found
 

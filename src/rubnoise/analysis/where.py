@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import Refused
 from rubnoise.record.sink import Columns
 from rubnoise.scenario.fields import did_you_mean as nearest
-from rubnoise.scenario.problems import Place, Problem
+from rubnoise.scenario.text import Place, Problem
 from rubnoise.storage.schema import JUNCTIONS, Dataset
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
 

@@ -103,16 +103,13 @@ class Run:
     """The curve of every life over its size, for programs without our code; only in files."""
 
     def __init__(self, reader: Reader) -> None:
-        """Take over an open file, or a run in memory."""
         self._reader = reader
         self._groups = columns_by_group(reader)
 
     def __enter__(self) -> Self:
-        """Return it."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Close the file."""
         self.close()
 
     def __copy__(self) -> Self:
@@ -191,11 +188,9 @@ class Run:
         return getattr(self, name)
 
     def __contains__(self, group: object) -> bool:
-        """Whether the run has a group of this name."""
         return group in self._groups
 
     def __iter__(self) -> Iterator[str]:
-        """Yield the names of the groups."""
         return iter(self._groups)
 
     def keys(self) -> list[str]:

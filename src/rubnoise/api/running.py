@@ -50,7 +50,6 @@ class Record(Run):
     _reader: "KeptRun"
 
     def __init__(self, kept: "KeptRun") -> None:
-        """Take over a run in memory."""
         super().__init__(kept)
         self.scenario = kept.scenario
 

@@ -20,8 +20,8 @@ from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.figure_names import FAILED, STATES
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import INDEX
+from rubnoise.runs.folder import file_of, name_in, scenario_in
 from rubnoise.runs.index import ABOUT, keys_in, scenario_at
-from rubnoise.runs.point_file import file_of, name_in, scenario_in
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
@@ -63,14 +63,12 @@ class SweepResult:
     """
 
     def __init__(self, path: Path, index: Index) -> None:
-        """Take over what was read."""
         self.path = path
         self._index: Final = index
         self.runs = _columns("runs", index.runs)
         self.points = _columns("points", index.points)
 
     def __enter__(self) -> Self:
-        """Return it."""
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -42,7 +42,7 @@ def command(
 
     Example: rubnoise new contact.toml
     """
-    from rubnoise.scenario.template import copy_of, template
+    from rubnoise.scenario.written import copy_of, template
     from rubnoise.storage.output import whole_file
 
     text = template() if source is None else copy_of(source)

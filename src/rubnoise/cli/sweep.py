@@ -16,7 +16,7 @@ from rubnoise.cli.signals import interrupted_at_once
 
 if TYPE_CHECKING:
     from rubnoise.api.sweep_result import SweepResult
-    from rubnoise.runs.stopping_rule import Unmet
+    from rubnoise.runs.sweep import Unmet
     from rubnoise.scenario.sweep import Sweep
 
 MOST_FAILURES: Final = 20

@@ -1,13 +1,18 @@
-"""Protocols for readers of a run's rows, and chunks of rows."""
+"""Protocols for readers of a run's rows, chunks of rows, and a run that is kept in memory."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from math import ceil
 from pathlib import Path
 from typing import Any, Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import slices
-from rubnoise.record.sink import Extent
+from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.record.sink import Columns, Extent
 
 Attributes = Mapping[str, float | int | str]
 
@@ -75,34 +80,17 @@ class HashedReader(Reader, Protocol):
         ...
 
 
-class Chunk(Mapping[str, NDArray[Any]]):
-    """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is needed."""
+class Chunk(dict[str, NDArray[Any]]):
+    """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is first asked for."""
 
     def __init__(self, rows: Rows, group: str, first: int, end: int) -> None:
-        """Read nothing yet, since unpacking a column takes time."""
+        super().__init__()
         self.first, self.end = first, end
-        self._rows, self._group = rows, group
-        self._read: dict[str, NDArray[Any]] = {}
+        self._read = partial(rows.column, group, start=first, stop=end)
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the rows of one column; raises KeyError if the group does not have it."""
-        if name not in self:
-            raise KeyError(name)
-        if name not in self._read:
-            self._read[name] = self._rows.column(self._group, name, self.first, self.end)
-        return self._read[name]
-
-    def __iter__(self) -> Iterator[str]:
-        """Yield the names of the columns."""
-        return iter(self._rows.columns[self._group])
-
-    def __len__(self) -> int:
-        """Return the number of columns."""
-        return len(self._rows.columns[self._group])
-
-    def __contains__(self, name: object) -> bool:
-        """Whether the group has a column, without reading it."""
-        return name in self._rows.columns[self._group]
+    def __missing__(self, name: str) -> NDArray[Any]:
+        self[name] = self._read(name)
+        return self[name]
 
 
 def chunks(rows: Rows, group: str, size: int | None = None) -> Iterator[Chunk]:
@@ -117,3 +105,73 @@ def column_chunks(
     """Yield rows ``start`` to ``stop`` (to the end when None) of a column, as `chunks` yields all columns."""
     for part in slices(start, rows.rows(group) if stop is None else stop, size):
         yield rows.column(group, name, part.start, part.stop)
+
+
+_LINE = 64
+"""Bytes at whose multiples columns begin, as the processor fetches them."""
+
+
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
+class MemoryRecord:
+    """The columns of a run as arrays: ``record["trace"]["real_contact_area"]``, named as in a result file.
+
+    ``pulse`` is the shape of the lives in it. It takes rows as a Sink does, and gives them back as Rows.
+    """
+
+    extent: Extent
+    groups: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
+    pulse: Pulse = LENS
+    _room: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict, repr=False)
+
+    def __getitem__(self, group: str) -> dict[str, NDArray[Any]]:
+        return self.groups[group]
+
+    @property
+    def columns(self) -> dict[str, tuple[str, ...]]:
+        """Names of the columns of each group."""
+        return {name: tuple(columns) for name, columns in self.groups.items()}
+
+    def rows(self, group: str) -> int:
+        """Return the number of rows of a group."""
+        return int(next(iter(self.groups[group].values())).size)
+
+    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        """Return rows ``start`` to ``stop`` (to the end when None) of a column."""
+        return self.groups[group][name][start:stop]
+
+    def write(self, group: str, first_row: int, columns: Columns) -> None:
+        """Keep rows of a group (see Sink)."""
+        rows = self.extent.rows(group)
+        if rows is None:
+            self._grow(group, columns, first_row + next(iter(columns.values())).size)
+        elif group not in self.groups:
+            self.groups[group] = _room_for(columns, rows)
+        kept = self.groups[group]
+        for name, values in columns.items():
+            kept[name][first_row : first_row + values.size] = values
+
+    def protect(self) -> None:
+        """Make all columns read-only, since the run has ended and its arrays are given to callers without a copy."""
+        for columns in self.groups.values():
+            for values in columns.values():
+                values.flags.writeable = False
+
+    def _grow(self, group: str, columns: Columns, rows: int) -> None:
+        """Enlarge a group to a number of rows; allocate memory for twice as many, so that rows are seldom copied."""
+        room = self._room.get(group)
+        if room is None or rows > next(iter(room.values())).size:
+            room = self._room[group] = _room_for(columns, 2 * rows)
+            for name, values in self.groups.get(group, {}).items():
+                room[name][: values.size] = values
+        self.groups[group] = {name: values[:rows] for name, values in room.items()}
+
+
+def _room_for(columns: Columns, rows: int) -> dict[str, NDArray[Any]]:
+    """Return columns of ``rows`` rows in one piece of memory, which the system allocates faster than many pieces."""
+    sizes = {name: rows * values.itemsize for name, values in columns.items()}
+    places = np.cumsum([0, *(ceil(size / _LINE) * _LINE for size in sizes.values())])
+    memory = np.empty(int(places[-1]), dtype=np.uint8)
+    return {
+        name: memory[place : place + size].view(columns[name].dtype)
+        for (name, size), place in zip(sizes.items(), places[:-1].tolist(), strict=True)
+    }

@@ -14,13 +14,12 @@ from rubnoise.analysis.run_summary import CURVES
 from rubnoise.errors import RunFileRefused, in_few
 from rubnoise.figure_names import DONE, FAILED, FIGURE_NAMES, PLANNED
 from rubnoise.regular_file import INDEX
-from rubnoise.runs.point_file import Figures, file_of
+from rubnoise.runs.folder import Figures, file_of
 from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import keys_of
-from rubnoise.scenario.points import Point
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep import Sweep
+from rubnoise.scenario.sweep import Point, Sweep
 from rubnoise.scenario.sweep_keys import Keep
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.layout import now, package_version

@@ -1,21 +1,21 @@
-"""Make one run: describe it, and write it into its file."""
+"""Make one run: describe it, and write it into its file, or measure it as its rows come."""
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import join
-from typing import cast
+from typing import Generic, TypeVar, cast
 
 from rubnoise.analysis.figures import summarise
 from rubnoise.arrays import slices
 from rubnoise.model import Model
-from rubnoise.record.memory import MemoryRecord
-from rubnoise.record.reader import Attributes
+from rubnoise.record.reader import Attributes, MemoryRecord
 from rubnoise.record.sink import Extent, Sink, Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
+from rubnoise.scenario.sweep import Point
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.intervention import Intervention, name_of
 from rubnoise.simulation.linear import named_constants
@@ -143,3 +143,32 @@ def _figures(model: Model, tally: Tally) -> dict[str, float | int | str]:
     for figure in summarise(model, tally):
         figures |= figure.as_attributes()
     return figures
+
+
+Kept = TypeVar("Kept", bound=Sink)
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurement(Generic[Kept, Result]):
+    """A measurement of a run: ``sink`` takes its rows as they come, ``read`` returns the result at the end.
+
+    Nothing else is kept of a run.
+    """
+
+    sink: Callable[[Extent], Kept]
+    read: Callable[[Model, Kept], Result]
+
+
+def run_points(points: Iterable[Point], measure: Measurement[Kept, Result]) -> Iterator[tuple[Point, Result]]:
+    """Run points in their order, and yield each with its result as soon as it is known."""
+    for point in points:
+        yield point, measured(point, measure)
+
+
+def measured(point: Point, measure: Measurement[Kept, Result]) -> Result:
+    """Run one point and return its result, which does not depend on the process or the time."""
+    model = point.scenario.model()
+    sink = measure.sink(extent(model, point.seed))
+    simulate(model, point.seed, sink, engine=cast(Engine, point.scenario.run.engine))
+    return measure.read(model, sink)

@@ -17,12 +17,11 @@ from rubnoise.answer import LeftOut
 from rubnoise.errors import RunFileRefused
 from rubnoise.figure_names import DONE
 from rubnoise.regular_file import INDEX
-from rubnoise.runs.folder import run_files
+from rubnoise.runs.folder import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, run_files, scenario_in, summarised
 from rubnoise.runs.index import figures_in, scenario_at
-from rubnoise.runs.point_file import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, scenario_in, summarised
 from rubnoise.runs.verification import LONGEST, Check, Difference, Verification, verification, verify
-from rubnoise.scenario.points import name_of
 from rubnoise.scenario.reading import stored
+from rubnoise.scenario.sweep import name_of
 from rubnoise.scenario.sweep_keys import Keep
 from rubnoise.storage.index import read_index
 from rubnoise.storage.output import PART

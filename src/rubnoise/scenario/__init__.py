@@ -6,6 +6,6 @@ with `document`, which has every key, then `reading`; a file that stands for man
 
 from rubnoise.scenario.reading import build, load, loads
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.schema import json_schema
+from rubnoise.scenario.written import json_schema
 
 __all__ = ["Scenario", "build", "json_schema", "load", "loads"]

@@ -12,9 +12,8 @@ import numpy as np
 
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.regular_file import NotRegular, read_at_most
-from rubnoise.scenario.problems import Path, Place, Problem
 from rubnoise.scenario.shipped import by_name, shipped_names
-from rubnoise.scenario.text import FILE_BYTES, LINE_CHARACTERS, Places, Source, read_toml
+from rubnoise.scenario.text import FILE_BYTES, LINE_CHARACTERS, Path, Place, Places, Problem, Source, read_toml
 from rubnoise.units import is_of_pint
 
 EXTENDS_DEPTH: Final = 8

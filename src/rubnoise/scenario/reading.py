@@ -19,9 +19,9 @@ from rubnoise.scenario.document import SECTIONS, TOP, Document
 from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
-from rubnoise.scenario.problems import Problem, in_order, report
 from rubnoise.scenario.scenario import AREA_KEYS, Scenario, sized
 from rubnoise.scenario.sweep_keys import SWEEP
+from rubnoise.scenario.text import Problem, in_order, report
 from rubnoise.units import Quantity, Unfit
 
 ReadSizes = Callable[[str, str | None], Sequence[float]]

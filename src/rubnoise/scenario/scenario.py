@@ -19,7 +19,7 @@ from rubnoise.model import CELLS, FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.scenario.fields import Section, keys_of, ratio_of
 from rubnoise.scenario.layers import Layers, gives
-from rubnoise.scenario.problems import Path
+from rubnoise.scenario.text import Path
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import LENGTH, RATIO, Quantity
 

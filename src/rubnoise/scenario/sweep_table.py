@@ -11,8 +11,8 @@ from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import did_you_mean, keys_of
 from rubnoise.scenario.keys import GRID, ZIP
 from rubnoise.scenario.layers import Layers, gives
-from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.sweep_keys import FEWEST, SWEEP, SWEEP_RUNS, Sweeping
+from rubnoise.scenario.text import Path, Problem
 
 SWEEP_POINTS: Final = 10_000
 """A point takes a millisecond to check, and all are checked before the first runs."""

@@ -59,7 +59,9 @@ def _write_lines(stream: TextIO, file: RunFile, group: Group, between: Callable[
     row = ",".join(["%r"] * len(group.columns)) + "\n"
     stream.write(",".join(map(heading, group.columns)) + "\n")
     for chunk in chunks(file, group.name):
-        stream.write("".join(map(row.__mod__, zip(*(values.tolist() for values in chunk.values()), strict=True))))
+        stream.write(
+            "".join(map(row.__mod__, zip(*(chunk[each.name].tolist() for each in group.columns), strict=True)))
+        )
         between()
 
 
@@ -79,8 +81,8 @@ def _write_netcdf(part: PartFile, file: RunFile, groups: Sequence[Group], betwee
                     variable = owner.create_variable(column.name, (dimension.name,), np.dtype(column.dtype))
                     variable.attrs.update(column.attributes)
                 for chunk in chunks(file, group.name):
-                    for name, values in chunk.items():
-                        owner[name][chunk.first : chunk.end] = values
+                    for column in group.columns:
+                        owner[column.name][chunk.first : chunk.end] = chunk[column.name]
                     between()
     finally:
         target.raise_first_error()
@@ -102,7 +104,7 @@ def _write_parquet(part: PartFile, file: RunFile, groups: Sequence[Group], betwe
     schema = pa.schema(fields, metadata={name: str(value) for name, value in metadata.items()})
     with pq.ParquetWriter(part.path, schema, compression="zstd", use_dictionary=False) as writer:
         for chunk in chunks(file, group.name, ROW_GROUP):
-            writer.write_table(pa.table([pa.array(values) for values in chunk.values()], schema=schema))
+            writer.write_table(pa.table([pa.array(chunk[each.name]) for each in group.columns], schema=schema))
             between()
 
 

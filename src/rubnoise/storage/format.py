@@ -18,7 +18,7 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
-from rubnoise.storage.disk import read_into, write_all
+from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.layout import Name, RunDescription, grows, package_version, row_count, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
 from rubnoise.storage.schema import (

@@ -17,7 +17,7 @@ from time import monotonic, sleep
 from typing import Final
 
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.storage.disk import lock
+from rubnoise.regular_file import lock
 
 PATIENCE_SECONDS: Final = 0.3
 """Longer than a copy of a process that has ended keeps its lock."""

@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import UNFINISHED, RunFileRefused
 from rubnoise.record.reader import column_chunks
-from rubnoise.regular_file import NotRegular, open_regular
-from rubnoise.storage.disk import lock, read_into
+from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
 from rubnoise.storage.layout import Name, row_count, stored_extent, stored_groups
 from rubnoise.storage.objects import (
     MOST_ATTRIBUTES,
@@ -52,7 +51,7 @@ from rubnoise.storage.schema import (
 )
 
 if TYPE_CHECKING:
-    from rubnoise.storage.inventory import Inventory
+    from rubnoise.storage.objects import Inventory
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
@@ -188,7 +187,7 @@ class RunFile:
 
     def inventory(self) -> "Inventory":
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
-        from rubnoise.storage.inventory import inventory_of
+        from rubnoise.storage.objects import inventory_of
 
         with self._reading(), naming_damage(), opened_by_hdf5(self._place, self.descriptor) as file:
             return inventory_of(file)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rubnoise.arrays import CHUNK_ROWS, slices
 from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.record.sink import Columns
-from rubnoise.storage.disk import read_into, write_all
+from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.format import add_group, complete, compose, hdf5_on
 from rubnoise.storage.layout import Name, RunDescription, grows, now, row_count, stored_groups
 from rubnoise.storage.life_curve import life_tables, pulse_of
