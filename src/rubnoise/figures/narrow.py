@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Iterator
+from itertools import pairwise
 from math import ceil
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, Final
@@ -53,6 +54,19 @@ def _thin_ticks(axes: "Axes") -> None:
         room = int(box.width / (_BESIDE * max(label.get_window_extent().width for label in labels)))
         if sum(low <= tick <= high for tick in axes.get_xticks()) > room + 1:
             axes.locator_params(axis="x", nbins=max(1, room))
+    if axes.get_xscale() == "log":
+        _thin_between_powers(axes)
+
+
+def _thin_between_powers(axes: "Axes") -> None:
+    """Leave of labels between powers of ten those of 2 and 5, where neighbours would overlap."""
+    from matplotlib.ticker import FuncFormatter
+
+    low, high = sorted(axes.get_xlim())
+    seen = [tick for tick in axes.xaxis.get_minor_ticks() if low <= tick.get_loc() <= high and tick.label1.get_text()]
+    boxes = sorted((box.x0, box.x1) for box in (tick.label1.get_window_extent() for tick in seen))
+    if any(end > begin for (_, end), (begin, _) in pairwise(boxes)):
+        axes.xaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in "25" else ""))
 
 
 def _labels(figure: "Figure") -> Iterator[tuple[Any, float, bool]]:
