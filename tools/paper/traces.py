@@ -9,7 +9,7 @@ from paper.figures import Sources
 from rubnoise.analysis.selection import neighbours
 from rubnoise.figures.area_pictures import draw_lives
 from rubnoise.figures.panes import draw_along
-from rubnoise.figures.style import BLUE, VERMILION, legend_above, new_figure
+from rubnoise.figures.style import BLUE, VERMILION, add_legends, new_figure
 from rubnoise.figures.tracks import Track
 from rubnoise.theory.moments import distribution
 
@@ -19,6 +19,7 @@ def draw_fig4(sources: Sources) -> Figure:
     run = sources.stretch("fig4")
     figure = new_figure(7.2, 4.4)
     draw_lives(figure, run, neighbours(run.file, -1, run.start, run.stop))
+    add_legends(figure.axes)
     return figure
 
 
@@ -38,7 +39,7 @@ def draw_fig5(sources: Sources) -> Figure:
         draw_along(axes, [Track.of(run, name).between(0.0, SECONDS)], last=name == "velocity")
     # A two-way slider that runs back feels the force from the other side.
     panes[0].set_ylim(bottom=min(0.0, panes[0].get_ylim()[0]) if panes[0].dataLim.y0 < 0.0 else 0.0)
-    legend_above(panes[0])
+    add_legends(panes)
     figure.align_ylabels()
     return figure
 

@@ -211,25 +211,20 @@ def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum
 
 def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
     """Return the exact density at the places of a spectrum; None if theory has none."""
-    from rubnoise.theory.motion import FORCE, density_of, drive_of, motion_spectrum, need_friction
+    from rubnoise.theory.motion import FORCE, density_of, force_spectrum, motion_spectrum
     from rubnoise.theory.second_order import spectral_density
 
     try:
         if seen.place_units == "rad/um":
             if quantity == "real_contact_area":
                 return spectral_density(model, seen.place)
-            if quantity == "friction_force" and model.strengths is not None:
+            if quantity == FORCE and model.strengths is not None:
                 return density_of(model, FORCE, seen.place)
             return None
         if model.is_two_way:
             return None
         angular = 2.0 * pi * seen.place
-        if quantity == "friction_force":
-            need_friction(model)
-            speed = drive_of(model).speed
-            found = density_of(model, FORCE, angular / speed) / speed
-        else:
-            found = motion_spectrum(quantity, model, angular)
+        found = force_spectrum(model, angular) if quantity == FORCE else motion_spectrum(quantity, model, angular)
     except (Refused, KeyError):
         return None
     return 2.0 * 1e-12 * found

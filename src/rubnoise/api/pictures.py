@@ -194,7 +194,7 @@ def drawn_columns(
             axes.set_ylabel(label)
             if logarithmic:
                 style.logarithmic(axes.xaxis, axes.yaxis)
-                style.legend_above(axes)
+                style.add_legends([axes])
         panes[-1].set_xlabel(place[1])
         return figure
 

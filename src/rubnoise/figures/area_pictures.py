@@ -1,7 +1,9 @@
-"""Pictures of the contact: its area, its junctions, their laws, and the spectrum and histogram of any quantity."""
+"""Pictures of the contact: its area, its junctions, their laws, and the spectrum and histogram of any quantity.
+
+Each draws its panes into a figure and returns its title.
+"""
 
 from collections.abc import Mapping
-from math import exp, lgamma, log
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -13,7 +15,7 @@ from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.errors import Refused
-from rubnoise.figures.panes import draw_along, draw_histogram, draw_lanes, draw_layers, edges_of, mark_ends
+from rubnoise.figures.panes import draw_along, draw_histogram, draw_lanes, draw_layers, edges_of, mark_ends, mark_mean
 from rubnoise.figures.spectra import draw_spectra, is_expected, spectrum_of
 from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import (
@@ -26,9 +28,7 @@ from rubnoise.figures.style import (
     NEAREST,
     PALE,
     VERMILION,
-    add_title,
     exact_band,
-    legend_above,
     logarithmic,
 )
 from rubnoise.figures.tracks import Track, tracks_of
@@ -40,10 +40,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def draw_trace(figure: "Figure", stretch: Stretch) -> None:
+def draw_trace(figure: "Figure", stretch: Stretch) -> str:
     """Draw A_r of a stretch, and above it the place of the stretch in the whole record."""
     whole, shown = Track.of(stretch.whole(), "area"), Track.of(stretch, "area").shown()
-    add_title(figure, stretch, "The real contact area")
     if (shown.first, shown.last) == (whole.first, whole.last):
         axes = figure.subplots()
     else:
@@ -53,37 +52,36 @@ def draw_trace(figure: "Figure", stretch: Stretch) -> None:
         strip.set(xlim=(whole.begin, whole.end), xlabel="sliding distance (µm), the stretch below shaded", ylabel="µm²")
         strip.set_ylim(bottom=0.0)
     draw_along(axes, [shown])
-    legend_above(axes)
+    return "The real contact area"
 
 
-def draw_count(figure: "Figure", stretch: Stretch) -> None:
+def draw_count(figure: "Figure", stretch: Stretch) -> str:
     """Draw N(s) of the stretch's beginning, and beside it the share of each live count in the whole stretch."""
-    add_title(figure, stretch, "How many junctions are alive")
     along, often = figure.subplots(1, 2, width_ratios=[2.2, 1])
     track = Track.of(stretch, "count")
     draw_along(along, [track.shown()], drawstyle="steps-post")
-    along.locator_params(axis="y", integer=True)
-    legend_above(along)
     counts = np.bincount(track.record().astype(np.int64))
     numbers = np.arange(int(np.flatnonzero(counts)[0]), counts.size)
     often.bar(numbers, counts[numbers] / counts.sum(), width=1.0, color=BLUE, alpha=0.45, lw=0.0, label="simulated")
-    if (known := track.exact_moments()) is not None:
-        mean = known[0]
-        if isinstance(stretch.model.births, PoissonBirths):
-            law = [exp(n * log(mean) - mean - lgamma(n + 1.0)) for n in numbers.tolist()]
-            often.plot(numbers, law, "o", color=VERMILION, ms=3.0, label="exact: Poisson")
-        else:
-            often.axvline(mean, color=VERMILION, label="exact mean")
+    mean = stretch.model.mean_live_junctions
+    if stretch.has_theory and isinstance(stretch.model.births, PoissonBirths):
+        from scipy.special import gammaln
+
+        law = np.exp(numbers * np.log(mean) - mean - gammaln(numbers + 1.0))
+        often.plot(numbers, law, "o", color=VERMILION, ms=3.0, label="exact: Poisson")
+    elif stretch.has_theory:
+        often.axvline(mean, color=VERMILION, label="exact mean")
+    along.locator_params(axis="y", integer=True)
     often.locator_params(axis="x", integer=True)
     often.set(xlabel=track.quantity.label, ylabel="share of the ticks")
-    legend_above(often, columns=1)
+    return "How many junctions are alive"
 
 
 LAGS, LAG_LIVES = 80, 1.6
 """Lags that are shown, and to how many mean lives."""
 
 
-def draw_acf(figure: "Figure", stretch: Stretch) -> None:
+def draw_acf(figure: "Figure", stretch: Stretch) -> str:
     """Draw the autocovariance of A_r over a stretch, R(tau), and the band with 95 % of estimates at each lag."""
     track, life = Track.of(stretch, "area"), stretch.model.mean_life_distance
     reach = min(int(LAG_LIVES * life / track.step) + 1, (track.last - track.first) // 2)
@@ -92,7 +90,6 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> None:
     products = CovarianceSum(reach, mean)
     for chunk in track.chunks():
         products.add(chunk)
-    add_title(figure, stretch, "Autocovariance of the real contact area")
     axes = figure.subplots()
     if stretch.has_theory:
         _draw_exact(axes, stretch, np.linspace(0.0, float(lag[-1]), 400))
@@ -101,16 +98,16 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> None:
     if max(np.abs(axes.get_ylim())) < rounding:
         axes.set_ylim(-rounding, rounding)
     axes.set(xlim=(0.0, lag[-1]), xlabel="lag in sliding distance (µm)", ylabel="autocovariance (µm⁴)")
-    legend_above(axes, columns=2)
+    return "Autocovariance of the real contact area"
 
 
 def _draw_exact(axes: "Axes", stretch: Stretch, lag: Doubles) -> None:
     exact, model = autocovariance(stretch.model, lag), stretch.model
     axes.axhline(0.0, color=FAINT, lw=0.6, zorder=0)
     if isinstance(model.births, PoissonBirths):
-        low, high = covariance_band(stretch, lag, exact)
         label = "95 % of estimates, each lag alone: neighbours err together"
-        axes.fill_between(lag, low, high, color=VERMILION, alpha=0.15, lw=0.0, label=label)
+        band = covariance_band(stretch, lag, exact)
+        axes.fill_between(lag, *band, color=VERMILION, alpha=0.15, lw=0.0, label=label)
     axes.plot(lag, exact, color=VERMILION, lw=1.6, label="exact")
     centred, (smallest, largest) = model.pulse.offset == "none", model.sizes.support
     whose = "a life" if smallest == largest and centred else "the mean life"
@@ -148,11 +145,11 @@ def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighb
     return shown, alive
 
 
-def draw_single_lives(figure: "Figure", stretch: Stretch) -> None:
+def draw_single_lives(figure: "Figure", stretch: Stretch) -> str:
     """Draw the areas of all junctions of a stretch, stacked to their sum, and each by itself."""
     shown, alive = _single(stretch)
-    add_title(figure, stretch, f"{alive.rows.size} junctions and their sum")
     draw_lives(figure, shown, alive)
+    return f"{alive.rows.size} junctions and their sum"
 
 
 def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
@@ -160,60 +157,57 @@ def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
     model, lives = shown.model, (shown.stop - shown.start) / shown.model.mean_life_distance
     place = np.linspace(shown.start, shown.stop, int(min(max(800.0, 40.0 * lives), 4000.0)))
     areas, law = alive.areas(place), area_cumulants(model)
+    tallest = areas.max(axis=1, initial=0.0)
+    largest, peak = int(np.argmax(np.append(tallest, 0.0))), 0.25 * np.pi * model.sizes.moment(2)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
     exact_band(above, law.mean, law.std)
-    draw_layers(above, place, areas)
+    draw_layers(above, place, areas, largest, INK)
     above.set(xlim=(shown.start, shown.stop), ylabel=AREA)
     above.set_ylim(bottom=0.0)
     below.plot(place, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.6)
-    tallest = areas.max(axis=1, initial=0.0)
     if tallest.size:
-        row = areas[np.argmax(tallest)]
+        row = areas[largest]
         below.plot(place[row > 0.0], row[row > 0.0], color=INK, lw=1.6, label="the largest of them")
-    peak = 0.25 * np.pi * model.sizes.moment(2)
     below.axhline(peak, color=VERMILION, lw=1.2, zorder=0, label="exact mean of the area at mid-life")
     highest, even = 1.1 * max(peak, float(tallest.max(initial=0.0))), np.ones(alive.rows.size)
     mark_ends(below, alive, -0.09 * highest * even, -0.18 * highest * even)
     below.set(ylim=(-0.27 * highest, highest), ylabel="junction area (µm²)", xlabel=DISTANCE)
     below.set_yticks([tick for tick in below.get_yticks() if 0.0 <= tick <= highest])
-    legend_above(above)
-    legend_above(below, columns=5)
 
 
-def draw_lifelines(figure: "Figure", stretch: Stretch) -> None:
+def draw_lifelines(figure: "Figure", stretch: Stretch) -> str:
     """Draw the lives of a stretch as bars in lanes, a line across its middle, and below them the count.
 
     In free motion a bar is a touch of a summit.
     """
     shown, alive = _single(stretch, touches=True)
     middle = 0.5 * (shown.start + shown.stop)
-    words = "lives, from birth to death" if stretch.has_theory else "touches, from contact made to contact lost"
-    add_title(figure, stretch, f"{alive.rows.size} {words}")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
     draw_lanes(above, alive, middle)
     draw_along(below, [Track.of(shown, "count")], drawstyle="steps-post")
     below.locator_params(axis="y", integer=True)
-    legend_above(below)
     for axes in (above, below):
         axes.axvline(middle, color=INK, lw=1.0)
+    words = "lives, from birth to death" if stretch.has_theory else "touches, from contact made to contact lost"
+    return f"{alive.rows.size} {words}"
 
 
 # Any quantity.
 
 
-def draw_psd(figure: "Figure", stretch: Stretch, beside: Stretch | None = None, of: str = "area") -> None:
+def draw_psd(figure: "Figure", stretch: Stretch, beside: Stretch | None = None, of: str = "area") -> str:
     """Draw Welch's estimate of a spectrum beside the exact one, and over the estimate that theory expects."""
     tracks = tracks_of(stretch, beside, of)
     found = [(track, spectrum_of(track)) for track in tracks]
-    segments = ""
-    if of == "area":
-        segments = f" ({found[0][1].segments} segments of {found[0][1].ticks * tracks[0].step:.4g} µm)"
-    add_title(figure, stretch, f"The spectrum of the {tracks[0].quantity.words}{segments}", beside)
     if any(map(is_expected, tracks)):
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2.6, 1])
         draw_spectra(above, found, below)
     else:
         draw_spectra(figure.subplots(), found)
+    (track, seen), segments = found[0], ""
+    if of == "area":
+        segments = f" ({seen.segments} segments of {seen.ticks * track.step:.4g} µm)"
+    return f"The spectrum of the {track.quantity.words}{segments}"
 
 
 BINS: Final = 51
@@ -223,13 +217,13 @@ RARE: Final = 1e-6
 """A probability of no contact at all below which a picture need not speak of it."""
 
 
-def draw_values(figure: "Figure", stretch: Stretch, of: str = "area") -> None:
+def draw_values(figure: "Figure", stretch: Stretch, of: str = "area") -> str:
     """Draw how often a quantity has each value, on a linear and on a logarithmic axis.
 
     An area or a load of 0 has a probability and no density: the title states it.
     """
     track = Track.of(stretch, of)
-    values, law = track.record(), None
+    values, law, unit = track.record(), None, track.quantity.unit
     if of == "area" and stretch.has_theory:
         try:
             law = distribution(stretch.model)
@@ -238,38 +232,30 @@ def draw_values(figure: "Figure", stretch: Stretch, of: str = "area") -> None:
     shown = values[values > 0.0] if of in {"area", "load"} else values
     edges = edges_of(shown, BINS)
     shares = None if law is None else np.diff(np.asarray(law.cdf(edges), dtype=np.float64))
-    title = _moments_title(track, values)
-    if law is not None and law.atom_at_zero > RARE:
-        title += f"\nno contact at all: {np.mean(values == 0.0):.3g} (exact {law.atom_at_zero:.3g})"
-    add_title(figure, stretch, title)
     linear, tails = figure.subplots(1, 2, sharex=True)
     for axes in (linear, tails):
-        draw_histogram(axes, shown, edges, values.size, shares)
-        axes.axvline(float(values.mean()), color=INK, lw=0.8, ls=(0, (4, 3)), label="mean of all")
+        density = draw_histogram(axes, shown, edges, values.size, shares)
+        mark_mean(axes, values, "mean of all")
         axes.set_xlabel(track.quantity.label)
-    unit = track.quantity.unit
     linear.set_ylabel(f"density (1/({unit}))" if "/" in unit else f"density (1/{unit})")
-    density = np.histogram(shown, edges)[0] / (values.size * np.diff(edges))
     highest = float(density.max()) or 1.0
     linear.set_ylim(0.0, 1.2 * highest)  # not as high as the exact density: it is singular at 0
     tails.set_ylim(0.3 * float(density.min(where=density > 0.0, initial=highest)), 3.0 * highest)
     logarithmic(tails.yaxis)
-    legend_above(linear)
+    atom = 0.0 if law is None else law.atom_at_zero
+    known = f"\nno contact at all: {np.mean(values == 0.0):.3g} (exact {atom:.3g})" if atom > RARE else ""
+    return f"How often each {track.quantity.words} occurs{_off_surface(track, values)}{known}"
 
 
-def _moments_title(track: Track, values: Doubles) -> str:
-    unit, known = track.quantity.unit, track.exact_moments()
-    means = [f"{values.mean():.4g}", f"{values.std():.4g}"]
-    if known is not None:
-        means = [f"{seen} (exact {exact:.4g})" for seen, exact in zip(means, known, strict=True)]
-    title = f"How often each {track.quantity.words} occurs\nmean {means[0]}, std {means[1]} {unit}"
-    found = track.landmarks()
+def _off_surface(track: Track, values: Doubles) -> str:
+    """Return how long a slider that may leave its contact is off the surface, and how much of a long run was read."""
+    found, words = track.landmarks(), ""
     if isinstance(found, Flights):
-        title += f"\noff the surface for {100.0 * found.share(track.begin, track.end):.3g} % of the time"
+        words = f"\noff the surface for {100.0 * found.share(track.begin, track.end):.3g} % of the time"
     elif not track.stretch.has_theory:
-        title += f"\noff the surface for {100.0 * np.mean(values == 0.0):.3g} % of the ticks"
-    first = values.size * track.step
-    return title + (f"\nfrom its first {first:.4g} µm" if values.size < track.last - track.first else "")
+        words = f"\noff the surface for {100.0 * np.mean(values == 0.0):.3g} % of the ticks"
+    whole = values.size == track.last - track.first
+    return words if whole else f"{words}\nfrom its first {values.size * track.step:.4g} {'s' if track.timed else 'µm'}"
 
 
 # The junctions.
@@ -296,7 +282,7 @@ def born(stretch: Stretch, name: str) -> Doubles:
     return stretch.file.column("junctions", name, first, min(last, first + MOST_READ)).astype(np.float64)
 
 
-def draw_population(figure: "Figure", stretch: Stretch, of: Law) -> None:
+def draw_population(figure: "Figure", stretch: Stretch, of: Law) -> str:
     """Draw sizes, lives or gaps of the junctions born in a stretch, beside their law."""
     if of == "sizes":
         values = born(stretch, "diameter")
@@ -307,10 +293,9 @@ def draw_population(figure: "Figure", stretch: Stretch, of: Law) -> None:
     edges, mean = edges_of(values, POPULATION_BINS), stretch.model.births.mean
     if of == "gaps" and np.ptp(values) > NEAREST * mean:
         edges = np.linspace(0.0, LONGEST_GAPS * mean, POPULATION_BINS + 1)
-    (shown, label), axes = LAWS[of], figure.subplots()
+    (words, label), axes = LAWS[of], figure.subplots()
     law = share_of(of, stretch.model, edges) if stretch.has_theory else None
-    add_title(figure, stretch, f"{shown}: {values.size:,} of them, mean {values.mean():.4g} µm")
     draw_histogram(axes, values, edges, values.size, law, band=True)
-    axes.axvline(float(values.mean()), color=INK, lw=0.8, ls=(0, (4, 3)), label="mean")
+    mark_mean(axes, values, "mean")
     axes.set(xlim=(edges[0], edges[-1]), xlabel=label, ylabel="density (1/µm)")
-    legend_above(axes)
+    return f"{words}: {values.size:,} of them, mean {values.mean():.4g} µm"

@@ -28,12 +28,12 @@ from rubnoise.figures.study_picture import draw_study
 from rubnoise.figures.style import (
     INK,
     Format,
+    add_legends,
+    add_title,
     as_bytes,
     house_style,
     in_place_of,
-    legend_above,
     new_figure,
-    one_line,
     shortened,
 )
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-PICTURES: Final[dict[Kind, tuple[Callable[..., None], float, float]]] = {
+PICTURES: Final[dict[Kind, tuple[Callable[..., str], float, float]]] = {
     "trace": (draw_trace, 7.2, 4.6),
     "lives": (draw_single_lives, 7.2, 5.2),
     "histogram": (draw_values, 7.2, 3.6),
@@ -60,7 +60,7 @@ PICTURES: Final[dict[Kind, tuple[Callable[..., None], float, float]]] = {
     "contact": (draw_contact, 7.2, 4.4),
     "load": (draw_load, 7.2, 5.4),
 }
-"""What draws each picture of a run into a figure, and its own width and height in inches."""
+"""What draws the panes of each picture into a figure and returns its title; its own width and height in inches."""
 
 HEARD: Final = ("psd", "histogram")
 """Pictures that can be of force, motion or load, in place of the area."""
@@ -112,11 +112,12 @@ def drawing(
         options["beside"] = beside
     with house_style(look.style), in_place_of(ax) as place:
         figure = new_figure(*(look.inches or size)) if place is None else place
-        draw(figure, stretch, **options)
+        add_title(figure, stretch, draw(figure, stretch, **options), beside)
         if measured is not None:
             label, over, density = measured
-            figure.axes[0].plot(over, density, color=INK, lw=1.0, label=shortened(one_line(label)))
-            legend_above(figure.axes[0], columns=3)
+            figure.axes[0].plot(over, density, color=INK, lw=1.0, label=shortened(label))
+        if not figure.legends:
+            add_legends(figure.axes)
         _finish(figure, look, fitted=ax is None)
     whole: Figure = figure.figure
     return whole

@@ -11,7 +11,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import FAINT, INK, PALE, add_title, legend_above
+from rubnoise.figures.style import FAINT, INK, PALE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,7 +67,6 @@ class Stage:
         axes.xaxis.set_major_formatter("{x:g} µm")
         axes.tick_params(axis="x", direction="in", pad=-14.0)  # below the pairs
         axes.spines["left"].set_visible(False)
-        legend_above(axes)
         axes.figure.colorbar(overlaps, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
 
     def _signs(self, axes: "Axes", events: Doubles, lasting: float, **look: Any) -> None:
@@ -132,7 +131,7 @@ def stage_of(stretch: Stretch, distance: float) -> Stage:
     )
 
 
-def draw_contact(figure: "Figure", stretch: Stretch) -> None:
+def draw_contact(figure: "Figure", stretch: Stretch) -> str:
     """Draw the junctions alive at the start of a stretch, in the middle of a run if none was chosen.
 
     The model has no places: those of junctions are only for the eye. Raises Refused if there are more of them than a
@@ -142,5 +141,5 @@ def draw_contact(figure: "Figure", stretch: Stretch) -> None:
     stage = stage_of(stretch, distance)
     alive = stage.junctions.alive(distance)
     words = f"{alive.rows.size} junctions, {float(alive.area(distance).sum()):.4g} µm² in contact"
-    add_title(figure, stretch, f"The contact from above at {distance:,.1f} µm: {words}")
     stage.draw(figure.subplots())
+    return f"The contact from above at {distance:,.1f} µm: {words}"

@@ -22,7 +22,6 @@ from rubnoise.figures.style import (
     STUCK,
     VERMILION,
     exact_band,
-    legend_above,
     logarithmic,
 )
 from rubnoise.figures.tracks import Track, labels_of
@@ -123,15 +122,16 @@ def edges_of(values: Doubles, bins: int) -> Doubles:
 
 def draw_histogram(
     axes: "Axes", values: Doubles, edges: Doubles, total: int, law: Doubles | None = None, *, band: bool = False
-) -> None:
-    """Draw the density of values among ``total`` of them, and beside it the exact one of bins of probability ``law``.
+) -> Doubles:
+    """Draw and return the density of values among ``total``, and draw the exact one of bins of probability ``law``.
 
     ``band``: whether the values are independent, so that two standard errors of a bin's count are known.
     """
-    counts, width = np.histogram(values, edges)[0], np.diff(edges)
-    axes.stairs(counts / (total * width), edges, fill=True, color=BLUE, alpha=0.45, lw=0.0, label="simulated")
+    width = np.diff(edges)
+    density = np.asarray(np.histogram(values, edges)[0] / (total * width), dtype=np.float64)
+    axes.stairs(density, edges, fill=True, color=BLUE, alpha=0.45, lw=0.0, label="simulated")
     if law is None:
-        return
+        return density
     exact = law / width
     axes.stairs(exact, edges, color=VERMILION, lw=1.4, label="exact")
     if band:
@@ -139,6 +139,12 @@ def draw_histogram(
         look: dict[str, Any] = {"fill": True, "color": VERMILION, "alpha": 0.2, "lw": 0.0}
         low = np.maximum(exact - error, 0.0)
         axes.stairs(exact + error, edges, baseline=low, label="± 2 std errors of a bin", **look)
+    return density
+
+
+def mark_mean(axes: "Axes", values: Doubles, label: str) -> None:
+    """Mark the mean of values in their histogram."""
+    axes.axvline(float(values.mean()), color=INK, lw=0.8, ls=(0, (4, 3)), label=label)
 
 
 PER_DECADE, MOST_DECADES = 8, 8
@@ -163,7 +169,6 @@ def draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str,
         axes.axvline(place, color=VERMILION, lw=1.2, ls=(0, (5, 3)), label=words)
         logarithmic(axes.xaxis)
         axes.set_xlim(min(edges[0], 0.8 * place), max(edges[-1], 1.25 * place))
-        legend_above(axes, columns=1)
     axes.locator_params(axis="y", integer=True)
 
 
@@ -203,11 +208,11 @@ LAYER_SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
 """Pale blues of neighbouring layers."""
 
 
-def draw_layers(axes: "Axes", place: Doubles, areas: Doubles) -> None:
-    """Draw areas, a row for each junction, as layers with their sum on top; the largest one is black."""
-    base, largest = np.zeros(place.size), int(np.argmax(areas.max(axis=1, initial=0.0))) if areas.size else 0
+def draw_layers(axes: "Axes", place: Doubles, areas: Doubles, marked: int, colour: str) -> None:
+    """Draw areas, a row for each junction, as layers with their sum on top; one of them has a colour."""
+    base = np.zeros(place.size)
     for number, row in enumerate(areas):
-        alive, shade = row > 0.0, INK if number == largest else LAYER_SHADES[number % len(LAYER_SHADES)]
+        alive, shade = row > 0.0, colour if number == marked else LAYER_SHADES[number % len(LAYER_SHADES)]
         axes.fill_between(place[alive], base[alive], (base + row)[alive], color=shade, lw=0.0, rasterized=True)
         base = base + row
     axes.plot(place, areas.sum(axis=0), color=BLUE, lw=1.6, label="their sum, the simulated area")
@@ -234,9 +239,7 @@ def draw_lanes(axes: "Axes", lives: Neighbours, middle: float) -> None:
     ):
         axes.hlines(lane[rows], lives.birth[rows], lives.death[rows], color=colour, lw=0.7 * room, label=label)
     mark_ends(axes, lives, lane, lane)
-    axes.set_yticks([])
-    axes.set_ylabel("lives")
-    legend_above(axes)
+    axes.set(yticks=[], ylabel="lives")
 
 
 def lanes(birth: Doubles, death: Doubles) -> NDArray[np.int64]:

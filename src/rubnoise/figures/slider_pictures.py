@@ -8,21 +8,10 @@ import numpy as np
 from rubnoise.analysis.landmarks import Flights, StickSlip
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.errors import Refused
-from rubnoise.figures.panes import curve_styles, draw_along, draw_counts, draw_density
+from rubnoise.figures.panes import curve_styles, draw_along, draw_counts, draw_density, draw_layers
 from rubnoise.figures.spectra import draw_spectra, spectrum_of
 from rubnoise.figures.stretch import MOST_READ, Stretch
-from rubnoise.figures.style import (
-    AREA,
-    BLUE,
-    DISTANCE,
-    FAINT,
-    INK,
-    VERMILION,
-    add_title,
-    file_label,
-    fitting_columns,
-    legend_above,
-)
+from rubnoise.figures.style import DISTANCE, INK, VERMILION, fitting_columns
 from rubnoise.figures.tracks import Track, at_the_same, labels_of, tracks_of
 from rubnoise.theory.motion import response
 
@@ -31,39 +20,28 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def draw_motion(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> None:
+def draw_motion(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:
     """Draw force and displacement in time, and the displacement's spectrum if the stretch has enough rows."""
     whole = tracks_of(stretch, beside, "displacement")
-    on_base = [_lifted(track) for track in whole]
-    driven = tracks_of(stretch, beside, "base" if all(on_base) else "force")
+    driven = tracks_of(stretch, beside, "base" if all(map(_is_lifted, whole)) else "force")
     try:
         found = [(track, spectrum_of(track)) for track in whole]
     except Refused:
         found = []
-    add_title(figure, stretch, f"The {_driven_by(whole[0])}, and the vibration that it excites", beside)
     heights = [1.0, 1.0, 1.5] if found else [1.0, 1.0]
     force, place, *below = figure.subplots(len(heights), 1, height_ratios=heights)
     place.sharex(force)
     draw_along(place, at_the_same(whole))
-    draw_along(force, _beside(driven, place), last=False)
-    legend_above(force)
+    draw_along(force, [track.between(*place.get_xlim()) for track in driven], last=False)
     if found:
         draw_spectra(below[0], found)
     figure.align_ylabels([force, place])
+    return f"The {'base' if _is_lifted(whole[0]) else 'friction force'}, and the vibration that it excites"
 
 
-def _beside(tracks: list[Track], axes: "Axes") -> list[Track]:
-    """Return the rows of other quantities at the times that axes show."""
-    return [track.between(*axes.get_xlim()) for track in tracks]
-
-
-def _lifted(track: Track) -> bool:
+def _is_lifted(track: Track) -> bool:
     """Whether asperities lift the slider's base, in place of a friction force."""
     return track.swings is not None and track.swings.excitation == "base"
-
-
-def _driven_by(track: Track) -> str:
-    return "base" if _lifted(track) else "friction force"
 
 
 MOST_ON_A_PATH: Final = 60_000
@@ -73,7 +51,7 @@ COARSE, HEADROOM = 0.05, 0.06
 """Natural periods from row to row above which a path has corners; room above the drive's speed over all speeds."""
 
 
-def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> None:
+def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:
     """Draw the path of a slider in the phase plane, and beside it the density of its places in the whole stretch.
 
     A slider that sticks is on the horizontal line at the drive's speed V. For a one-way slider the ellipse of the exact
@@ -84,7 +62,6 @@ def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None
     first, rows = shown[0], whole[0].last - whole[0].first
     path, density = rows <= MOST_ON_A_PATH or not stretch.chosen, len(whole) == 1 and first.last < whole[0].last
     density |= not path
-    add_title(figure, stretch, "The phase plane of the slider", beside)
     panes = figure.subplots(1, path + density, sharex=True, sharey=True, squeeze=False)[0].tolist()
     if path:
         for track, fast, label, look in zip(shown, speeds, labels_of(shown), curve_styles(len(shown)), strict=True):
@@ -108,6 +85,7 @@ def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None
     panes[0].set_ylim(low, max(high, drive + HEADROOM * (high - low)))
     handles, labels = panes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower right", ncols=fitting_columns(figure.figure, labels, 3))
+    return "The phase plane of the slider"
 
 
 def _draw_ellipse(axes: "Axes", stretch: Stretch) -> None:
@@ -122,9 +100,8 @@ MOST_IMPACTS: Final = 200
 """Impacts that are marked: with more, the marks would hide one another."""
 
 
-def draw_load(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> None:
+def draw_load(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:
     """Draw load, separation and normal velocity in time; of free motion the exact mean load, flights and impacts."""
-    add_title(figure, stretch, "The slider on its load", beside)
     panes, names = figure.subplots(3, 1, sharex=True), ("load", "separation", "normal-velocity")
     for axes, name in zip(panes, names, strict=True):
         draw_along(axes, at_the_same(tracks_of(stretch, beside, name)), last=axes is panes[-1])
@@ -137,12 +114,11 @@ def draw_load(figure: "Figure", stretch: Stretch, beside: Stretch | None = None)
         if found.impacts.size <= MOST_IMPACTS:
             falling = np.interp(found.impacts, *fall.curve())
             panes[2].plot(found.impacts, falling, "o", color=INK, ms=3.2, mfc="white", mew=0.8, label="impact")
-            legend_above(panes[2])
-    legend_above(panes[0])
     figure.align_ylabels(panes.tolist())
+    return "The slider on its load"
 
 
-def draw_landmarks(figure: "Figure", stretch: Stretch) -> None:
+def draw_landmarks(figure: "Figure", stretch: Stretch) -> str:
     """Draw how far a slider slips and how long it sticks, or how fast it hits the surface and how long it flies."""
     held, model = stretch.model.held, stretch.model
     free = held is not None and not stretch.has_theory
@@ -153,29 +129,28 @@ def draw_landmarks(figure: "Figure", stretch: Stretch) -> None:
         )
     track = Track.of(stretch, "load" if free else "displacement")
     found, span = track.landmarks(), f"between {track.begin:.4g} and {track.end:.4g} s"
-    total = stretch.file.rows("landmarks")
-    part = f", of its first {MOST_READ:,} landmarks" if total > MOST_READ else ""
+    left, right = figure.subplots(1, 2)
     if isinstance(found, StickSlip):
         if not (found.slip_lengths.size or found.stick_times.size):
             raise Refused(f"the slider ends no slip and no stick {span}")
-        shown = "How far the slider slips and how long it sticks"
+        title = "How far the slider slips and how long it sticks"
         longer = int((found.slip_lengths > model.calibrated_diameter).sum())
         diameter = model.calibrated_diameter, f"mean diameter; {longer:,} slips are longer"
-        first = found.slip_lengths, "slip", "slip length", "µm", diameter
-        second = found.stick_times, "stick", "stick time", "ms", "natural period"
+        draw_counts(left, found.slip_lengths, "slip", "slip length", "µm", diameter)
+        draw_counts(right, 1e3 * found.stick_times, "stick", "stick time", "ms", (1e3 / track.natural, NATURAL_PERIOD))
     else:
         if not (isinstance(found, Flights) and held is not None and found.impacts.size):
             raise Refused(f"the slider does not fall back on the surface {span}")
         off = 100.0 * found.share(track.begin, track.end)
-        shown = f"How fast overlaps grow at impacts, and how long the slider was off: {off:.3g} % of the time"
+        title = f"How fast overlaps grow at impacts, and how long the slider was off: {off:.3g} % of the time"
         rise = 2e-3 * np.pi * track.natural * held.height_scale, "height scale times contact resonance"
-        first = 1e-3 * found.speeds, "impact", "impact speed", "mm/s", rise
-        second = found.times, "flight", "flight time", "ms", "period of the contact resonance"
-    add_title(figure, stretch, shown + part)
-    left, right = figure.subplots(1, 2)
-    draw_counts(left, *first)
-    draw_counts(right, 1e3 * second[0], *second[1:4], (1e3 / track.natural, second[4]))
+        draw_counts(left, 1e-3 * found.speeds, "impact", "impact speed", "mm/s", rise)
+        draw_counts(right, 1e3 * found.times, "flight", "flight time", "ms", (1e3 / track.natural, CONTACT_PERIOD))
+    part = f", of its first {MOST_READ:,} landmarks" if stretch.file.rows("landmarks") > MOST_READ else ""
+    return title + part
 
+
+NATURAL_PERIOD, CONTACT_PERIOD = "natural period", "period of the contact resonance"
 
 # A run at a glance.
 
@@ -183,19 +158,18 @@ WINDOW_LIVES: Final = 4.0
 """Width of the window around the junction, in its own lives."""
 
 
-def draw_overview(figure: "Figure", stretch: Stretch) -> None:
+def draw_overview(figure: "Figure", stretch: Stretch) -> str:
     """Draw a run, and the life of one of its junctions: one in its middle, of about the mean diameter.
 
     Below are force and displacement of its slider, without one area and count beside theory. Raises Refused for a run
     without junctions.
     """
-    junction = _chosen(stretch)
-    below = ("area", "count")
-    if stretch.model.slider is not None:
-        below = ("base" if stretch.model.slider.excitation == "base" else "force", "displacement")
-    rows: Any = [["sum", "sum", "life"], *([name] * 3 for name in below)]
-    axes: Any = figure.subplot_mosaic(rows)
-    figure.suptitle(file_label(stretch), x=0.01, ha="left")
+    junction, slider = _chosen(stretch), stretch.model.slider
+    below = ["area", "count"]
+    if slider is not None:
+        below = ["base" if slider.excitation == "base" else "force", "displacement"]
+    layout: Any = [["sum", "sum", "life"], *([name] * 3 for name in below)]
+    axes: Any = figure.subplot_mosaic(layout)
     _draw_sum(axes["sum"], stretch, junction)
     _draw_life(axes["life"], junction)
     upper, lower = (Track.of(stretch, name) for name in below)
@@ -203,13 +177,9 @@ def draw_overview(figure: "Figure", stretch: Stretch) -> None:
     draw_along(axes[below[0]], [upper.between(lower.begin, lower.end)], last=False)
     draw_along(axes[below[1]], [lower])
     axes[below[0]].sharex(axes[below[1]])
-    if stretch.model.slider is None:
-        axes["area"].set_title("The sum, and how many live")
-        axes["area"].set_ylabel(AREA.replace(" contact", "\ncontact"))
-        axes["count"].set_ylabel("live\njunctions")
-        legend_above(axes["area"])
-    else:
-        axes[below[0]].set_title(f"The {_driven_by(lower)}, and the vibration that it excites")
+    for name in below:  # the panes are low
+        axes[name].set_ylabel(axes[name].get_ylabel().replace("contact ", "contact\n").replace("live ", "live\n"))
+    return f"The run at a glance, and the life of junction {junction.rows[0]} (black)"
 
 
 def _chosen(stretch: Stretch) -> Neighbours:
@@ -231,22 +201,15 @@ def _draw_sum(axes: "Axes", stretch: Stretch, junction: Neighbours) -> None:
     first = max(birth - 0.5 * (WINDOW_LIVES - 1.0) * life, 0.0)
     window = np.linspace(first, first + WINDOW_LIVES * life, 1200)
     alive = neighbours(stretch.file, -1, float(window[0]), float(window[-1]))
-    chosen = alive.rows == junction.rows[0]
-    edges = np.cumsum(alive.areas(window)[np.argsort(~chosen, kind="stable")], axis=0)  # the chosen one lies lowest
-    axes.plot(window, edges[:-1].T, color=FAINT, lw=0.4)
-    axes.plot(window, edges[-1], color=INK, label="real contact area")
-    axes.fill_between(window, edges[0], color=BLUE, lw=0.0, zorder=3, label=f"junction {junction.rows[0]}")
+    draw_layers(axes, window, alive.areas(window), int(np.argmax(alive.rows == junction.rows[0])), INK)
     axes.set(xlim=(window[0], window[-1]), xlabel=DISTANCE, ylabel="area (µm²)")
     axes.set_ylim(bottom=0.0)
-    axes.set_title("The junctions and their sum", pad=20.0)
-    legend_above(axes, columns=2)
 
 
 def _draw_life(axes: "Axes", junction: Neighbours) -> None:
     distance = np.linspace(float(junction.birth[0]), float(junction.death[0]), 400)
     age, area = distance - distance[0], junction.areas(distance)[0]
-    axes.fill_between(age, area, color=BLUE, alpha=0.18, lw=0.0)
-    axes.plot(age, area, color=BLUE, lw=2.2)
+    axes.fill_between(age, area, color=INK, alpha=0.18, lw=0.0)
+    axes.plot(age, area, color=INK, lw=2.2)
     axes.set(xlim=(0.0, age[-1]), xlabel="since its birth (µm)", ylabel="its area (µm²)")
     axes.set_ylim(bottom=0.0)
-    axes.set_title(f"The life of junction {junction.rows[0]}")

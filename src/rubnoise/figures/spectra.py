@@ -12,7 +12,7 @@ from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.panes import curve_styles
-from rubnoise.figures.style import FAINT, INK, NEAREST, VERMILION, draw_band, draw_ratio, legend_above, logarithmic
+from rubnoise.figures.style import BLUE, FAINT, INK, NEAREST, VERMILION, logarithmic
 from rubnoise.figures.tracks import Track, labels_of
 from rubnoise.theory.sampling import expected_periodogram, through_window
 from rubnoise.theory.second_order import area_noise
@@ -39,6 +39,7 @@ ROUNDING: Final = 1e-12
 """Expected density over the largest below which a ratio would be one of rounding errors."""
 
 NATURAL: Final = {"slider": "natural frequency", "load": "contact resonance"}
+ONE_WAY: Final = "exact, one-way"
 Seen = tuple[Track, Spectrum]
 
 
@@ -77,22 +78,20 @@ def draw_spectra(axes: "Axes", found: Sequence[Seen], ratio: "Axes | None" = Non
 
     In ``ratio`` the first estimate that theory knows is drawn over its expectation.
     """
-    tracks, (first, _) = [track for track, _ in found], found[0]
-    turn, sides = (2.0 * pi, 2.0) if first.timed else (1.0, 1.0)
-    lowest = min(float(seen.wavenumber[FIRST]) for _, seen in found) / turn
-    highest = max(float(seen.wavenumber[-1]) for _, seen in found) / turn
+    tracks, (first, seen) = [track for track, _ in found], found[0]
+    turn, sides = _turn_and_sides(first)
+    lowest = min(float(each.wavenumber[FIRST]) for _, each in found) / turn
+    highest = max(float(each.wavenumber[-1]) for _, each in found) / turn
     if first.swings is not None:
         highest = min(highest, max(FARTHEST * first.natural, 10.0 * lowest))
-        name = NATURAL[first.group]
-        axes.axvline(first.natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label=name)
-    labels = labels_of(tracks) if len(found) > 1 else [f"simulated ({found[0][1].segments} segments)"]
-    for (_, seen), label, look in zip(found, labels, curve_styles(len(found)), strict=True):
-        place, density = seen.wavenumber[FIRST:] / turn, sides * seen.density[FIRST:]
+        axes.axvline(first.natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label=NATURAL[first.group])
+    labels = labels_of(tracks) if len(found) > 1 else [f"simulated ({seen.segments} segments)"]
+    for (_, each), label, look in zip(found, labels, curve_styles(len(found)), strict=True):
+        place, density = each.wavenumber[FIRST:] / turn, sides * each.density[FIRST:]
         axes.plot(place[place <= highest], density[place <= highest], label=label, **look)
     if first.swings is None:  # zeros of the theory lie far below what has a logarithm
-        density = found[0][1].density
-        top = sides * float(density.max())
-        axes.set_ylim(0.1 * sides * float(density.min(where=density > 0.0, initial=top)), 10.0 * top)
+        top = sides * float(seen.density.max())
+        axes.set_ylim(0.1 * sides * float(seen.density.min(where=seen.density > 0.0, initial=top)), 10.0 * top)
     _draw_exact(axes, next((track for track in tracks if track.has_theory), first), lowest, highest)
     if ratio is not None:
         number = next(number for number, track in enumerate(tracks) if is_expected(track))
@@ -101,7 +100,11 @@ def draw_spectra(axes: "Axes", found: Sequence[Seen], ratio: "Axes | None" = Non
     axes.set_xlim(lowest, highest)
     (axes if ratio is None else ratio).set_xlabel("frequency (Hz)" if first.timed else "wavenumber (rad/µm)")
     axes.set_ylabel(_density_label(first))
-    legend_above(axes)
+
+
+def _turn_and_sides(track: Track) -> tuple[float, float]:
+    """Return wavenumbers to a unit of the axis, and densities to one of the estimate: in time one-sided, over Hz."""
+    return (2.0 * pi, 2.0) if track.timed else (1.0, 1.0)
 
 
 def _density_label(track: Track) -> str:
@@ -114,62 +117,74 @@ def _density_label(track: Track) -> str:
 
 def is_expected(track: Track) -> bool:
     """Whether theory knows what a spectrum should be: not of two-way or free motion, and not of lines alone."""
-    if not track.has_theory or track.quantity.density is None:
-        return False
     try:
-        return not track.timed or bool(track.quantity.density(track.model, np.array([2.0 * pi * track.natural])).any())
+        known = not track.timed or track.quantity.density(track.model, np.array([2.0 * pi * track.natural])).any()
     except Refused:
         return False
-
-
-def expected_of(track: Track, seen: Spectrum, highest: float) -> Doubles:
-    """Return what the estimate is expected to be at its bins up to ``highest``, of a track whose spectrum is known."""
-    last, window = int(np.searchsorted(seen.wavenumber, highest * (1.0 + 1e-9), side="right")) - 1, hann(seen.ticks)
-    if not track.timed or track.quantity.density is None:
-        return expected_periodogram(track.model, track.step, window)[1][: last + 1]
-    density = partial(track.quantity.density, track.model)
-    return track.quantity.scale**2 * through_window(density, track.step, window, last)
+    return track.has_theory and bool(known)
 
 
 def _draw_expected(axes: "Axes", ratio: "Axes", found: Seen, highest: float, label: str) -> None:
     """Draw the band of an estimate about its expectation, and in other axes the estimate over its expectation."""
-    track, seen = found
-    expected = expected_of(track, seen, highest)
-    turn, sides = (2.0 * pi, 2.0) if track.timed else (1.0, 1.0)
-    place, level = seen.wavenumber[FIRST : expected.size] / turn, sides * expected[FIRST:]
+    (track, seen), (turn, sides), window = found, _turn_and_sides(found[0]), hann(found[1].ticks)
+    last = int(np.searchsorted(seen.wavenumber, highest * (1.0 + 1e-9), side="right"))
+    if track.timed:
+        expected = through_window(partial(track.quantity.density, track.model), track.step, window, last - 1)
+    else:
+        expected = expected_periodogram(track.model, track.step, window)[1]
+    place, level = seen.wavenumber[FIRST:last] / turn, sides * expected[FIRST:last]
     error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
     if not track.timed:
         axes.plot(place, level, color=INK, lw=1.0, ls=(0, (4, 2)), label="expected of the estimate")
-    draw_band(axes, place, level, error)
+    low, high = level * max(1.0 - 2.0 * error, 0.0), level * (1.0 + 2.0 * error)
+    axes.fill_between(place, low, high, color=VERMILION, alpha=0.2, lw=0.0, zorder=1, label="± 2 std errors")
     known = level > ROUNDING * float(level.max())
-    draw_ratio(ratio, place[known], sides * seen.density[FIRST : expected.size][known] / level[known], error, label)
+    draw_ratio(ratio, place[known], sides * seen.density[FIRST:last][known] / level[known], error, label)
 
 
 def _draw_exact(axes: "Axes", track: Track, lowest: float, highest: float) -> None:
     """Draw the exact density, of a two-way slider that of one-way coupling, and what else there is to compare with."""
-    quantity, model = track.quantity, track.model
-    if quantity.density is None or not track.stretch.has_theory:
-        return
+    (turn, sides), quantity, model = _turn_and_sides(track), track.quantity, track.model
     place = np.geomspace(lowest, highest, POINTS)
     if track.swings is not None:
         place = np.sort(np.append(place, np.linspace(0.8, 1.2, POINTS) * track.natural))
         place = place[(lowest <= place) & (place <= highest)]
-    turn, sides = (2.0 * pi, 2.0 * quantity.scale**2) if track.timed else (1.0, 1.0)
     try:
-        density = sides * quantity.density(model, turn * place)
+        density = sides * quantity.density(model, turn * place) if track.stretch.has_theory else np.zeros(1)
+        white = quantity.white(model, turn * place) if track.swings and track.stretch.has_theory else None
     except Refused:
         return
     if density.any():
-        look: dict[str, Any] = (
-            {"label": "exact"} if track.has_theory else {"ls": (0, (4, 2)), "label": "exact, one-way"}
-        )
-        lines: dict[str, Any] = {"lw": 1.0} if track.timed else {"lw": 2.4, "zorder": 1.9}
-        axes.plot(place, density, color=VERMILION, **lines, **look)
-    if not track.timed:
-        for number, line in enumerate(area_noise(model).lines[0][:MOST_LINES]):
-            label = "_one entry is enough" if number else "exact lines"
-            axes.axvline(line, color=VERMILION, lw=0.8, ls=(0, (1, 2)), zorder=0, label=label)
-    elif quantity.white and track.swings and model.separation is None and track.swings.excitation != "base":
-        white = sides * quantity.white(model, turn * place)
-        if white.any():
-            axes.plot(place, white, color=INK, lw=0.8, ls=(0, (1, 1.5)), label="white noise (Kilburn)")
+        words: dict[str, Any] = {"label": "exact"} if track.has_theory else {"ls": (0, (4, 2)), "label": ONE_WAY}
+        look: dict[str, Any] = {"lw": 1.0} if track.timed else {"lw": 2.4, "zorder": 1.9}
+        axes.plot(place, density, color=VERMILION, **words, **look)
+    for number, line in enumerate(() if track.timed else area_noise(model).lines[0][:MOST_LINES]):
+        label = "_one entry is enough" if number else "exact lines"
+        axes.axvline(line, color=VERMILION, lw=0.8, ls=(0, (1, 2)), zorder=0, label=label)
+    if white is not None and white.any():
+        axes.plot(place, sides * white, color=INK, lw=0.8, ls=(0, (1, 1.5)), label="white noise (Kilburn)")
+
+
+BINS_PER_DECADE: Final = 24.0
+"""Bins of a ratio over a logarithmic axis: so few that the band of each can be seen."""
+
+NEIGHBOURS: Final = {1: 4.0 / 9.0, 2: 1.0 / 36.0}
+"""Correlation of neighbouring bins under a Hann window, by their distance: the squares of 2/3 and 1/6."""
+
+
+def draw_ratio(axes: "Axes", place: Doubles, ratio: Doubles, error: float, whose: str) -> None:
+    """Draw an estimate over what it is expected to be, in bins of a logarithmic axis.
+
+    ``whose`` is the label of the estimate. ``error`` is the standard error of one value; the band about 1 is two
+    standard errors of the mean of a bin's values.
+    """
+    bins = np.floor(BINS_PER_DECADE * np.log10(place / place[0])).astype(np.int64)
+    _, first, count = np.unique(bins, return_index=True, return_counts=True)
+    middle, mean = np.exp(np.add.reduceat(np.log(place), first) / count), np.add.reduceat(ratio, first) / count
+    near = sum(2.0 * share * np.maximum(1.0 - lag / count, 0.0) for lag, share in NEIGHBOURS.items())
+    band = 2.0 * error * np.sqrt((1.0 + near) / count)
+    look: dict[str, Any] = {"color": VERMILION, "alpha": 0.2, "lw": 0.0, "label": "± 2 std errors of a bin"}
+    axes.fill_between(middle, 1.0 - band, 1.0 + band, **look)
+    axes.axhline(1.0, color=VERMILION, lw=1.0)
+    axes.plot(middle, mean, "o-", color=BLUE, lw=0.7, ms=2.2, label=f"{whose} over expected")
+    axes.set(ylim=(0.0, 2.0 + 2.0 * error), ylabel="ratio")

@@ -119,7 +119,7 @@ def _label(axes: "Axes", study: Study) -> None:
         _scale(axes, study, values)
     else:
         labels = {spot.place: spot.label for line in study.lines for spot in line.spots}
-        axes.set_xticks(list(labels), [shortened(one_line(text), LONGEST_LABEL) for text in labels.values()])
+        axes.set_xticks(list(labels), [shortened(text, LONGEST_LABEL) for text in labels.values()])
         axes.margins(x=0.15)
     if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
         axes.set_ylim(bottom=0.0)
@@ -158,7 +158,7 @@ def _legend(axes: "Axes", study: Study) -> None:
 
 
 def _add_title(figure: "Figure", study: Study) -> None:
-    name = shortened(one_line(study.title))
+    name = shortened(study.title)
     shown = f"{quantity_words(study.quantity)} over {key_words(study.key)}"
     whose = f"sweep {name}" if name else ""
     put_title(figure, shown[0].upper() + shown[1:], whose)

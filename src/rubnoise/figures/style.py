@@ -4,7 +4,7 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 """
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache, partial
 from io import BytesIO
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from rubnoise.api.kinds import Style
-from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, how_to_install
 
 if TYPE_CHECKING:
@@ -212,7 +211,8 @@ def _is_narrow(axis: "Axis") -> bool:
 
 
 def shortened(name: str, longest: int = LONGEST_NAME) -> str:
-    """Return a name cut to what a title has room for."""
+    """Return a name from a file on one line, cut to what a title has room for."""
+    name = one_line(name)
     return name if len(name) <= longest else f"{name[: longest - 3]}..."
 
 
@@ -226,6 +226,9 @@ CHARACTERS_PER_INCH: Final = 16.0
 
 LETTER, HANDLE = 0.55, 5.0
 """Widths of a letter, and of all that stands beside the words of a legend's entry, over the size of its letters."""
+
+USUAL_WIDTH: Final = 0.775
+"""Share of a figure's width that matplotlib gives a single pane before it is laid out."""
 
 NEAREST: Final = 1e-6
 """Span of values over the values themselves below which nothing but rounding is seen."""
@@ -252,7 +255,7 @@ def contact_label(model: "Model") -> str:
 
 def file_label(stretch: "Stretch") -> str:
     """Return the name of a result as a picture has room for."""
-    return shortened(one_line(stretch.file.path.name))
+    return shortened(stretch.file.path.name)
 
 
 def with_minus(text: str) -> str:
@@ -274,51 +277,23 @@ def exact_band(axes: "Axes", mean: float, std: float) -> None:
         axes.axhline(edge, color=VERMILION, lw=0.7, ls=(0, (5, 4)), zorder=4)
 
 
-BINS_PER_DECADE: Final = 24.0
-"""Bins of a ratio over a logarithmic axis: so few that the band of each can be seen."""
+def add_legends(panes: Iterable["Axes"]) -> None:
+    """Put a legend above each pane, flush right, where it hides nothing; what a pane before explains is left out."""
+    explained: set[str] = set()
+    for axes in panes:
+        named = zip(*axes.get_legend_handles_labels(), strict=True)
+        new = {label: handle for handle, label in named if label not in explained}
+        if new:
+            columns = fitting_columns(axes.figure.figure, list(new), 4, axes.get_position().width / USUAL_WIDTH)
+            above: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
+            axes.legend(list(new.values()), list(new), ncols=columns, **above)
+        explained |= set(new)
 
 
-NEIGHBOURS: Final = {1: 4.0 / 9.0, 2: 1.0 / 36.0}
-"""Correlation of neighbouring bins under a Hann window, by their distance: the squares of 2/3 and 1/6."""
-
-
-def draw_ratio(axes: "Axes", place: Doubles, ratio: Doubles, error: float, whose: str = "simulated") -> None:
-    """Draw an estimate over what it is expected to be, in bins of a logarithmic axis.
-
-    ``whose`` is the label of the estimate. ``error`` is the standard error of one value; the band about 1 is two
-    standard errors of the mean of a bin's values.
-    """
-    bins = np.floor(BINS_PER_DECADE * np.log10(place / place[0])).astype(np.int64)
-    _, first, count = np.unique(bins, return_index=True, return_counts=True)
-    middle = np.exp(np.add.reduceat(np.log(place), first) / count)
-    mean = np.add.reduceat(ratio, first) / count
-    near = sum(2.0 * share * np.maximum(1.0 - lag / count, 0.0) for lag, share in NEIGHBOURS.items())
-    band = 2.0 * error * np.sqrt((1.0 + near) / count)
-    label = "± 2 std errors of a bin"
-    axes.fill_between(middle, 1.0 - band, 1.0 + band, color=VERMILION, alpha=0.2, lw=0.0, label=label)
-    axes.axhline(1.0, color=VERMILION, lw=1.0)
-    axes.plot(middle, mean, "o-", color=BLUE, lw=0.7, ms=2.2, label=f"{whose} over expected")
-    axes.set_ylim(0.0, 2.0 + 2.0 * error)
-    axes.set_ylabel("ratio")
-    legend_above(axes)
-
-
-def draw_band(axes: "Axes", place: Doubles, expected: Doubles, error: float) -> None:
-    """Shade two standard errors about what an estimate is expected to be; ``error`` is relative."""
-    low, high = (expected * max(factor, 0.0) for factor in (1.0 - 2.0 * error, 1.0 + 2.0 * error))
-    axes.fill_between(place, low, high, color=VERMILION, alpha=0.2, lw=0.0, zorder=1, label="± 2 std errors")
-
-
-def legend_above(axes: "Axes", columns: int = 4) -> None:
-    """Put the legend above the axes, flush right, where it hides nothing, in as many columns as fit."""
-    fitting = fitting_columns(axes.figure.figure, axes.get_legend_handles_labels()[1], columns)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=fitting, borderaxespad=0.1)
-
-
-def fitting_columns(figure: "Figure", labels: Sequence[str], most: int) -> int:
-    """Return the number of columns of a legend that a figure has room for."""
+def fitting_columns(figure: "Figure", labels: Sequence[str], most: int, share: float = 1.0) -> int:
+    """Return the number of columns of a legend for which a share of a figure's width has room."""
     from matplotlib import font_manager, rcParams
 
     letter = font_manager.FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 72.0
     entry = letter * (max(map(len, labels), default=0) * LETTER + HANDLE)
-    return min(most, max(1, int(figure.get_figwidth() / entry)))
+    return min(most, max(1, int(share * figure.get_figwidth() / entry)))

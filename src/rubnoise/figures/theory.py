@@ -18,7 +18,6 @@ from rubnoise.figures.style import (
     house_style,
     logarithmic,
     new_figure,
-    one_line,
     shortened,
 )
 from rubnoise.model import Model, Slider
@@ -52,7 +51,7 @@ def theory_figure(model: Model, title: str) -> "Figure":
     area = area_cumulants(model)
     figure = new_figure(7.6, 5.6)
     moments = f"What is exact: real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
-    whose = f"{shortened(one_line(title))}: {contact_label(model)}"
+    whose = f"{shortened(title)}: {contact_label(model)}"
     figure.suptitle(f"{moments}\n{whose}", x=0.01, ha="left", fontsize=10.0)
     rows: Any = [["law", "covariance"], ["spectrum", "spectrum" if model.slider is None else "response"]]
     axes = figure.subplot_mosaic(rows)

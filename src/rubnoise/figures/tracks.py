@@ -1,52 +1,39 @@
 """What a picture draws along a run: quantities with what theory says of them, and the rows of one in a stretch."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any, Final, Literal, Self
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.figures import FIGURES
 from rubnoise.analysis.landmarks import Flights, StickSlip, first_landmark
-from rubnoise.analysis.sound import COLUMNS
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import MOST_READ, Stretch, thinned
-from rubnoise.figures.style import one_line, shortened
+from rubnoise.figures.style import file_label
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import column_chunks
 from rubnoise.theory.ancestors import white_spectrum
-from rubnoise.theory.coupling import load_motion
-from rubnoise.theory.exact import exact
-from rubnoise.theory.moments import area_cumulants, force_cumulants
-from rubnoise.theory.motion import FORCE, density_of, motion_spectrum, need_friction, response
+from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.motion import FORCE, force_spectrum, motion_spectrum
 from rubnoise.theory.second_order import spectral_density
 
 LIVES, PERIODS, STICKS = 40.0, 20.0, 20
 """Mean lives, natural periods of what swings, and sticks with two-way coupling that are shown by default."""
 
-Group = Literal["trace", "slider", "load"]
-Moments = tuple[float, float]
-Density = Callable[[Model, Doubles], Doubles]
-
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A column along a run: its group, its unit on an axis, and what theory says of it.
-
-    ``moments`` are its exact mean and standard deviation, ``density`` its exact two-sided spectral density, ``white``
-    that of white noise of the same level at low frequency (Kilburn).
-    """
+    """A column along a run: its group, its unit on an axis, and what theory says of it; ``stem`` begins its figures."""
 
     words: str
-    group: Group
+    group: str
     column: str
     unit: str
-    moments: Callable[[Model], Moments]
-    density: Density | None = None
-    white: Density | None = None
+    stem: str
 
     @property
     def scale(self) -> float:
@@ -58,74 +45,44 @@ class Quantity:
         """Label of an axis."""
         return f"{self.words} ({self.unit})" if self.unit else self.words
 
+    def moments(self, model: Model) -> tuple[float, float]:
+        """Return the exact mean and standard deviation in the unit of the axis; raises Refused if theory has none."""
+        if self.stem == BASE:
+            area = area_cumulants(model)
+            return self.scale * model.base_per_area * area.mean, self.scale * model.base_per_area * area.std
+        mean = EXACT.get(f"{self.stem}_mean")
+        return self.scale * (mean(model) if mean else 0.0), self.scale * EXACT[f"{self.stem}_std"](model)
 
-def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
-    """Return S_F(w/V)/V, the two-sided density of the force in uN^2 per rad/s."""
-    need_friction(model)
-    if model.strengths is None or model.sliding_speed is None:
-        raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
-    return density_of(model, FORCE, angular_frequency / model.sliding_speed) / model.sliding_speed
+    def density(self, model: Model, place: Doubles) -> Doubles:
+        """Return the exact two-sided density per rad/um, or per rad/s of what moves, in the square of the axis's unit.
 
+        Raises Refused if theory has none.
+        """
+        if self.group == "trace":
+            return self.scale**2 * spectral_density(model, place)
+        found = force_spectrum(model, place) if self.stem == FORCE else motion_spectrum(self.stem, model, place)
+        return self.scale**2 * found
 
-def _of_area(model: Model) -> Moments:
-    area = area_cumulants(model)
-    return area.mean, area.std
-
-
-def _of_force(model: Model) -> Moments:
-    force = force_cumulants(model)
-    return force.mean, force.std
-
-
-def _of_load(name: str) -> Callable[[Model], Moments]:
-    return lambda model: ((model.load or 0.0) * (name == "load_std"), float(getattr(load_motion(model), name)))
-
-
-def _of_motion(name: str) -> Callable[[Model], Moments]:
-    def moments(model: Model) -> Moments:
-        found = response(model)
-        return found.mean_displacement if name == "displacement_std" else 0.0, float(getattr(found, name))
-
-    return moments
+    def white(self, model: Model, angular_frequency: Doubles) -> Doubles | None:
+        """Return the density of white noise of the same level at low frequency (Kilburn); None if it is of no use."""
+        slider = model.slider
+        if self.group != "slider" or slider is None or model.separation is not None or slider.excitation == "base":
+            return None
+        return self.scale**2 * white_spectrum(self.stem, model, angular_frequency)
 
 
-def _of_base(model: Model) -> Moments:
-    return response(model).mean_displacement, model.base_per_area * area_cumulants(model).std
-
-
-_MOVING: Final = ("displacement", "velocity", "normal_velocity", "load")
-_density: Final = {name: partial(motion_spectrum, name) for name in _MOVING}
-_white: Final = {name: partial(white_spectrum, name) for name in (FORCE, "displacement", "velocity")}
+EXACT: Final = {figure.name: figure.exact for figure in FIGURES}
+BASE: Final = "base_displacement"
 QUANTITIES: Final[Mapping[str, Quantity]] = {
-    "area": Quantity("real contact area", "trace", "real_contact_area", "µm²", _of_area, spectral_density),
-    "count": Quantity(
-        "live junctions", "trace", "junction_count", "", lambda model: (exact(model).count_mean, exact(model).count_std)
-    ),
-    "force": Quantity("friction force", "slider", COLUMNS["force"], "mN", _of_force, _exact_force, _white[FORCE]),
-    "base": Quantity("height of the base", "slider", "base_displacement", "µm", _of_base),
-    "displacement": Quantity(
-        "displacement",
-        "slider",
-        "displacement",
-        "µm",
-        _of_motion("displacement_std"),
-        _density["displacement"],
-        _white["displacement"],
-    ),
-    "velocity": Quantity(
-        "velocity",
-        "slider",
-        "velocity",
-        "mm/s",
-        _of_motion("velocity_std"),
-        _density["velocity"],
-        _white["velocity"],
-    ),
-    "load": Quantity("load", "load", "load", "mN", _of_load("load_std"), _density["load"]),
-    "separation": Quantity("separation", "load", "separation", "µm", _of_load("separation_std")),
-    "normal-velocity": Quantity(
-        "normal velocity", "load", "velocity", "mm/s", _of_load("velocity_std"), _density["normal_velocity"]
-    ),
+    "area": Quantity("real contact area", "trace", "real_contact_area", "µm²", "real_contact_area"),
+    "count": Quantity("live junctions", "trace", "junction_count", "", "junction_count"),
+    "force": Quantity("friction force", "slider", FORCE, "mN", FORCE),
+    "base": Quantity("height of the base", "slider", BASE, "µm", BASE),
+    "displacement": Quantity("displacement", "slider", "displacement", "µm", "displacement"),
+    "velocity": Quantity("velocity", "slider", "velocity", "mm/s", "velocity"),
+    "load": Quantity("load", "load", "load", "mN", "load"),
+    "separation": Quantity("separation", "load", "separation", "µm", "separation"),
+    "normal-velocity": Quantity("normal velocity", "load", "velocity", "mm/s", "normal_velocity"),
 }
 """Everything that is drawn along a run, by name."""
 
@@ -139,7 +96,7 @@ class Track:
 
     stretch: Stretch
     quantity: Quantity
-    group: Group
+    group: str
     first: int
     last: int
     step: float
@@ -156,8 +113,8 @@ class Track:
         group, timed = quantity.group, quantity.group != "trace"
         if name == "force" and model.slider is None and quantity.column in columns["trace"]:
             group = "trace"
-        oscillators = {"slider": model.slider, "load": None if model.held is None else model.held.oscillator}
-        swings = oscillators.get(group)
+        held = None if model.held is None else model.held.oscillator
+        swings = {"slider": model.slider, "load": held}.get(group)
         if group == "trace" and timed and model.sliding_speed is None:
             raise Refused("the run has no times; sliding.speed in its scenario would give them")
         if group not in columns or (group != "trace" and (swings is None or model.sliding_speed is None)):
@@ -249,12 +206,9 @@ class Track:
         """Whether theory may know the quantity: not for free motion, and of the contact alone with two-way coupling."""
         return self.stretch.has_theory and not (self.group == "slider" and self.model.is_two_way)
 
-    def exact_moments(self) -> Moments | None:
+    def exact_moments(self) -> tuple[float, float] | None:
         """Return the exact mean and standard deviation as on the axis, None if theory does not know them."""
-        if not self.has_theory:
-            return None
-        mean, std = self.quantity.moments(self.model)
-        return self.quantity.scale * mean, self.quantity.scale * std
+        return self.quantity.moments(self.model) if self.has_theory else None
 
     def landmarks(self) -> StickSlip | Flights | None:
         """Return sticks and slips, or flights and impacts; None for what does neither. Of very many the first."""
@@ -293,7 +247,7 @@ def labels_of(tracks: Sequence[Track]) -> list[str]:
     couplings = [f"{track.swings.coupling} coupling" for track in tracks if track.swings is not None]
     if len(set(couplings)) == len(tracks):
         return couplings
-    return [shortened(one_line(track.stretch.file.path.name)) for track in tracks]
+    return [file_label(track.stretch) for track in tracks]
 
 
 @contextmanager
