@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory.motion import FORCE, density_of, need_friction
 from rubnoise.theory.sizes import COARSE, sizes_of
 from rubnoise.theory.unit_pulse import energy, pass_energies
 
@@ -40,6 +42,14 @@ class Spectrum:
     def power(self) -> float:
         """The power (1/pi) int S dk, about the variance of the record, in the square of its unit."""
         return float(self.density.sum() * self.wavenumber[1]) / np.pi
+
+
+def force_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
+    """Return the exact two-sided S_F(w/V)/V of the friction force, uN^2 per rad/s; raises Refused without times."""
+    need_friction(model)
+    if model.strengths is None or model.sliding_speed is None:
+        raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
+    return density_of(model, FORCE, angular_frequency / model.sliding_speed) / model.sliding_speed
 
 
 def hann(ticks: int) -> Doubles:

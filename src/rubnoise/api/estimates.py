@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.spectra import SEGMENTS, WelchSum
+from rubnoise.analysis.spectra import SEGMENTS, WelchSum, force_spectrum
 from rubnoise.api.column_group import SHORT
 from rubnoise.api.columns import Column, Table, with_units
 from rubnoise.arrays import Doubles
@@ -211,7 +211,7 @@ def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum
 
 def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
     """Return the exact density at the places of a spectrum; None if theory has none."""
-    from rubnoise.theory.motion import FORCE, density_of, force_spectrum, motion_spectrum
+    from rubnoise.theory.motion import FORCE, density_of, motion_spectrum
     from rubnoise.theory.second_order import spectral_density
 
     try:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.figures import FIGURES
 from rubnoise.analysis.landmarks import Flights, StickSlip, first_landmark
+from rubnoise.analysis.spectra import force_spectrum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import MOST_READ, Stretch, thinned
@@ -18,7 +19,7 @@ from rubnoise.model import Model, Slider
 from rubnoise.record.reader import column_chunks
 from rubnoise.theory.ancestors import white_spectrum
 from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.motion import FORCE, force_spectrum, motion_spectrum
+from rubnoise.theory.motion import FORCE, motion_spectrum
 from rubnoise.theory.second_order import spectral_density
 
 LIVES, PERIODS, STICKS = 40.0, 20.0, 20

@@ -190,14 +190,6 @@ def motion_spectrum(name: str, model: Model, angular_frequency: ArrayLike) -> Do
     return density_of(model, name, np.abs(np.asarray(angular_frequency, dtype=np.float64)) / drive.speed) / drive.speed
 
 
-def force_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
-    """Return the two-sided S_F(w/V)/V of the friction force in uN^2 per rad/s, w in rad/s; refused without times."""
-    need_friction(model)
-    if model.strengths is None or model.sliding_speed is None:
-        raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
-    return density_of(model, FORCE, angular_frequency / model.sliding_speed) / model.sliding_speed
-
-
 def density_of(model: Model, name: str, k: Doubles, *, exact: bool = True) -> Doubles:
     """Return the two-sided density of a quantity per rad/um at wavenumbers k >= 0 in rad/um, between lines."""
     if name == FORCE:
