@@ -299,7 +299,7 @@ def test_a_page_opens_in_a_frame_of_a_site(browser: Any, address: str, tmp_path:
     page, trouble = browser.new_page(), []
     page.on("pageerror", lambda error: trouble.append(str(error)))
     page.goto((tmp_path / "site.html").as_uri())
-    page.frames[1].wait_for_function("document.querySelector('#overview canvas') !== null")
+    until(page.frames[1], "document.querySelector('#overview canvas') !== null")
     assert trouble == []
     page.close()
 
@@ -313,16 +313,16 @@ def test_two_runs_side_by_side_share_their_window(
         assert page.locator("p").all_inner_texts() == [str(one_way), str(off_centre)]
         frames = page.frames[1:]
         for frame in frames:
-            frame.wait_for_function("view.charts !== undefined || document.querySelector('#overview canvas') !== null")
+            until(frame, "view.charts !== undefined || document.querySelector('#overview canvas') !== null")
         frames[0].click("#zoom-in")
         first = frames[0].evaluate("[view.window.from, view.window.to]")
-        frames[1].wait_for_function(f"view.window.to === {first[1]}")
+        until(frames[1], f"view.window.to === {first[1]}")
         frames[1].click("#on")
         second = frames[1].evaluate("[view.window.from, view.window.to]")
         assert second != first
-        frames[0].wait_for_function(f"view.window.from === {second[0]} && view.window.to === {second[1]}")
+        until(frames[0], f"view.window.from === {second[0]} && view.window.to === {second[1]}")
         for frame in frames:
-            frame.wait_for_function("document.querySelectorAll('.chart').length > 0")
+            until(frame, "document.querySelectorAll('.chart').length > 0")
         scale = "view.pixelOf('trace', 'real_contact_area')"
         for _ in range(200):  # each is drawn again when it hears of the other's range
             if frames[0].evaluate(scale) == frames[1].evaluate(scale):
