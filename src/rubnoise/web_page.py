@@ -1,10 +1,14 @@
 """A self-contained web page: it holds its styles, scripts and data, and its policy forbids every request."""
 
 import json
+from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 _FRAME: Final = """<!DOCTYPE html>
 <html lang="en">
@@ -56,3 +60,14 @@ def filled(text: str, values: Mapping[str, str]) -> str:
 def part(package: str, name: str) -> str:
     """Return the text of a file in the folder `parts` of a package."""
     return (files(package) / "parts" / name).read_text(encoding="utf-8")
+
+
+def packed(values: NDArray[Any]) -> dict[str, str]:
+    """Return an array in the form of a page: its type, little-endian, and its bytes in base 64."""
+    little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
+    return {"type": little.dtype.str.lstrip("<|"), "bytes": coded(little.tobytes())}
+
+
+def coded(content: bytes) -> str:
+    """Return bytes in base 64."""
+    return b64encode(content).decode("ascii")

@@ -6,18 +6,18 @@ import shutil
 import subprocess
 import tomllib
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 import pytest
 
 from rubnoise.lesson.page import script_parts
 from rubnoise.scenario import Scenario, build
-from tests.architecture.sources import PACKAGE, ROOT
+from tests.architecture.sources import ROOT
 
 # The model of the page, run by node without a page around it, and the contacts that it is compared in.
 # The model of the page, run by node without a page around it.
-PARTS = PACKAGE / "lesson" / "parts"
-WITHOUT_A_PAGE = script_parts()[: script_parts().index("plot.js")]
+WITHOUT_A_PAGE = "\n".join(takewhile(lambda text: "rub.plot = " not in text, script_parts().values()))
 FIGURE_5: dict[str, Any] = {
     "meanArea": 200.0,
     "meanCount": 20.0,
@@ -43,16 +43,12 @@ def answer(body: str, **given: Any) -> Any:
     node = shutil.which("node")
     if node is None:
         pytest.skip("NO NODE FOUND: the model of the page of lessons is not tested without a browser")
-    model = "\n".join((PARTS / name).read_text(encoding="utf-8") for name in WITHOUT_A_PAGE)
     program = (
-        f"{model}\nconst ask = ({', '.join(given)}) => {{ {body} }};\n"
-        f"const given = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n"
+        f"{WITHOUT_A_PAGE}\nconst ask = ({', '.join(given)}) => {{ {body} }};\n"
         "const plain = (key, value) => ArrayBuffer.isView(value) ? Array.from(value) : value;\n"
-        "process.stdout.write(JSON.stringify(ask(...given), plain));\n"
+        f"process.stdout.write(JSON.stringify(ask(...{json.dumps([*given.values()])}), plain));\n"
     )
-    done = subprocess.run(
-        [node, "-e", program], input=json.dumps([*given.values()]), capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([node, "-"], input=program, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

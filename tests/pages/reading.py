@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from rubnoise.web_page import part
 from tests.architecture.sources import PACKAGE
 
 PARTS = PACKAGE / "pages" / "parts"
@@ -29,9 +30,8 @@ def answer(data: dict[str, Any], body: str, **given: Any) -> Any:
     node = shutil.which("node")
     if node is None:
         pytest.skip("NO NODE FOUND: conditions and lives of the page are not tested without a browser")
-    parts = "\n".join(
-        (PARTS / name).read_text(encoding="utf-8") for name in ("rows.js", "where.js", "life.js", "welch.js")
-    )
+    names = ("rows.js", "where.js", "life.js", "welch.js")
+    parts = "\n".join([part("rubnoise", "arrays.js"), *((PARTS / name).read_text(encoding="utf-8") for name in names)])
     program = (
         "const both = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n"
         "globalThis.document = { getElementById: () => ({ textContent: JSON.stringify(both.data) }) };\n"

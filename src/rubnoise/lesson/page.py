@@ -1,6 +1,6 @@
 """The page of lessons: one self-contained file, assembled from its parts, and the junctions it replays."""
 
-from base64 import b64encode
+import json
 from functools import cache
 from html import escape
 from importlib.resources import files
@@ -14,42 +14,20 @@ from rubnoise.api.running import simulate
 from rubnoise.inference.inference import infer_signal
 from rubnoise.inference.signal import Signal
 from rubnoise.lesson.settings import LessonSettings
+from rubnoise.lesson.tables import tables
 from rubnoise.record.rows import JunctionState
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.exact import Exact, exact
-from rubnoise.web_page import filled, part, web_page
+from rubnoise.web_page import filled, packed, part, web_page
 
 _HERE: Final = "rubnoise.lesson"
 _FIRST: Final = (
-    "numbers.js",
-    "random.js",
-    "model.js",
-    "rows.js",
-    "transform.js",
-    "off_centre.js",
-    "theory.js",
-    "theory_regular.js",
-    "theory_density.js",
-    "world.js",
-    "slider.js",
-    "load.js",
-    "field.js",
-    "piece.js",
-    "motion.js",
-    "flight.js",
-    "trace.js",
-    "run.js",
-    "seen.js",
-    "reading.js",
-    "plot.js",
-    "places.js",
-    "stage.js",
-    "stack.js",
-    "traces.js",
+    "numbers random pulses model rows theory theory_regular theory_density world slider load field piece motion flight"
+    " trace run seen reading plot places stage stack traces"
 )
-_LAST: Final = "main.js"
+_LAST: Final = "main"
 """Parts of the script that others build on come first, and the one that begins comes last."""
 
 
@@ -66,11 +44,8 @@ def page(title: str, settings: LessonSettings, record: dict[str, Any] | None = N
         "record": record,
         "readings": readings(),
     }
-    styles, scripts = (
-        # Without the spaces at the beginning of lines, a tenth of the page.
-        ["\n".join(line.lstrip() for line in part(_HERE, name).splitlines()) for name in names]
-        for names in (_names(".css"), script_parts())
-    )
+    styles = [_short(part(_HERE, name)) for name in _names(".css")]
+    scripts = [_short(text) for text in script_parts().values()]
     missing = " and no ".join(settings.borrowed)
     subtitle = f"The scenario has no {missing}: that of the paper's Figure 5 stands in." if missing else ""
     body = filled(
@@ -80,20 +55,27 @@ def page(title: str, settings: LessonSettings, record: dict[str, Any] | None = N
     return web_page(body, title=f"Lessons on rubbing noise: {title}", styles=styles, scripts=scripts, data=data)
 
 
-def script_parts() -> list[str]:
-    """Return the names of the script's parts in the order in which they run."""
-    return [*_FIRST, *sorted({*_names(".js")} - {*_FIRST, _LAST}), _LAST]
+def script_parts() -> dict[str, str]:
+    """Return the texts of the script's parts by name, in the order in which they run."""
+    first = _FIRST.split()
+    names = [*first, *sorted({name.removesuffix(".js") for name in _names(".js")} - {*first, _LAST}), _LAST]
+    shared = {"arrays": part("rubnoise", "arrays.js"), "tables": f"rub.tables = {json.dumps(tables())};"}
+    return shared | {name: part(_HERE, f"{name}.js") for name in names}
 
 
 def _names(ending: str) -> list[str]:
     return sorted(each.name for each in (files(_HERE) / "parts").iterdir() if each.name.endswith(ending))
 
 
+def _short(text: str) -> str:
+    """Return a text without the spaces at the beginning of lines, a tenth of the page."""
+    return "\n".join(line.lstrip() for line in text.splitlines())
+
+
 LAWS: Final = ("normal", "lognormal", "exponential")
 """Laws of sizes, each with the scenario ``lessons/read_LAW.toml``."""
 FULL_SCALE: Final = 4095
-"""Steps of the sensor between no force and the largest one of its trace: it has 12 bits, two letters of base64."""
-_LETTERS: Final = np.frombuffer(b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/", dtype=np.uint8)
+"""Steps of the sensor between no force and the largest one of its trace: it has 12 bits."""
 _CELLS = 160
 _ROUNDS, _LAGS = 8, 33  # of the search for a lag: 32^-8 of the interval is left
 _LARGEST_SIZE = 40.0  # um: hardly any of the swing comes from larger ones
@@ -103,10 +85,10 @@ _LARGEST_SIZE = 40.0  # um: hardly any of the swing comes from larger ones
 def readings() -> tuple[dict[str, Any], ...]:
     """Return the traces for the page of lessons, as JSON can hold them.
 
-    ``values`` are forces in steps of ``step`` uN, one every ``tick`` um: two letters of base64 each, the high one
-    first. ``found`` is the diameter in um that `rubnoise.infer` finds in these values, with its 95 % interval, if it is
-    given the law of sizes. The truth: the mean ``diameter`` at birth and the ``lag`` of the exact autocovariance's
-    half, in um, and the ``density`` of diameters in 1/um in the middles of even cells from 0 to ``largest`` um.
+    ``values`` are forces in steps of ``step`` uN, one every ``tick`` um. ``found`` is the diameter in um that
+    `rubnoise.infer` finds in these values, with its 95 % interval, if it is given the law of sizes. The truth: the mean
+    ``diameter`` at birth and the ``lag`` of the exact autocovariance's half, in um, and the ``density`` of diameters in
+    1/um in the middles of even cells from 0 to ``largest`` um.
     """
     return tuple(_reading(law, load(shipped(f"lessons/read_{law}.toml"), ["run.engine=batch"])) for law in LAWS)
 
@@ -115,14 +97,14 @@ def _reading(law: str, scenario: Scenario) -> dict[str, Any]:
     model = scenario.model()
     force = simulate(scenario).trace["friction_force"][:]
     step = float(force.max()) / FULL_SCALE
-    values = np.rint(force / step).astype(np.int64)
+    values = np.rint(force / step).astype(np.uint16)
     theory = exact(model)
     middles = np.asarray((np.arange(_CELLS) + 0.5) * (_LARGEST_SIZE / _CELLS), dtype=np.float64)
     return {
         "law": law,
         "tick": model.tick,
         "step": step,
-        "values": _LETTERS[np.stack([values >> 6, values & 63], axis=-1)].tobytes().decode("ascii"),
+        "values": packed(values),
         "found": _found(np.asarray(values * step, dtype=np.float64), model.tick, law),
         "diameter": theory.mean_diameter,
         "lag": half_lag(theory),
@@ -164,17 +146,17 @@ def record_of(run: Run) -> dict[str, Any]:
     whole = float(run.scenario.sliding.distance)
     distance = whole if rows == len(junctions) else float(junctions["birth_distance"][rows])
     record = {
-        "birth": _text(junctions["birth_distance"][:rows]),
-        "diameter": _text(junctions["diameter"][:rows]),
+        "birth": packed(junctions["birth_distance"][:rows]),
+        "diameter": packed(junctions["diameter"][:rows]),
         "tick": run.scenario.physics.tick,
         "distance": distance,
         "note": _note(run, rows, distance, whole),
     }
     for name, column in {"strength": "shear_strength", "offset": "lateral_offset"}.items():
         if column in junctions:
-            record[name] = _text(junctions[column][:rows])
+            record[name] = packed(junctions[column][:rows])
     if np.any(junctions["state"][:rows] & JunctionState.ENDED_EARLY):  # by an intervention
-        record["death"] = _text(junctions["death_distance"][:rows])
+        record["death"] = packed(junctions["death_distance"][:rows])
     return record
 
 
@@ -183,7 +165,3 @@ def _note(run: Run, rows: int, distance: float, whole: float) -> str:
     if distance < whole:
         sentence += f" Of {whole:g} um the page holds the first {distance:g}, {rows} junctions."
     return f"{sentence} A control of the contact leaves it for a run of the page's own; reset brings it back."
-
-
-def _text(values: NDArray[np.float64]) -> str:
-    return b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode("ascii")

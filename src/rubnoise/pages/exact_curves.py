@@ -11,11 +11,11 @@ from rubnoise.analysis.spectra import hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
-from rubnoise.pages.page import packed
 from rubnoise.record.reader import Rows
 from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.theory.motion import motion_spectrum
 from rubnoise.theory.sampling import expected_periodogram, through_window
+from rubnoise.web_page import packed
 
 LIVES: Final = 8.0
 PERIODS: Final = 16.0

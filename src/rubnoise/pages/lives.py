@@ -13,9 +13,9 @@ from rubnoise.analysis.reading import check_numbers
 from rubnoise.analysis.selection import gather
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import half_life
-from rubnoise.pages.page import packed
 from rubnoise.record.reader import Reader
 from rubnoise.storage.schema import JUNCTIONS
+from rubnoise.web_page import packed
 
 CHUNK: Final = 256
 """Rows with one base of their births."""

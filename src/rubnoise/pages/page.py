@@ -1,14 +1,10 @@
-"""Common parts of the pages of runs and sweeps: styles and scripts around a template, and arrays in text form."""
+"""Common parts of the pages of runs and sweeps: styles and scripts around a template."""
 
-from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
-
-import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.web_page import filled, part, web_page
 
@@ -21,7 +17,7 @@ def page(template: str, *, title: str, styles: Sequence[str], scripts: Sequence[
         filled(part(HERE, template), {"title": escape(title)}),
         title=title,
         styles=[part(HERE, name) for name in styles],
-        scripts=[part(HERE, name) for name in scripts],
+        scripts=[part("rubnoise", "arrays.js"), *(part(HERE, name) for name in scripts)],
         data=data,
     )
 
@@ -37,17 +33,6 @@ def side_by_side(pages: Mapping[str, str]) -> str:
         scripts=[part(HERE, "beside.js")],
         data={},
     )
-
-
-def packed(values: NDArray[Any]) -> dict[str, str]:
-    """Return an array in the form of a page: its type, little-endian, and its bytes in base 64."""
-    little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
-    return {"type": little.dtype.str.lstrip("<|"), "bytes": coded(little.tobytes())}
-
-
-def coded(content: bytes) -> str:
-    """Return bytes in base 64."""
-    return b64encode(content).decode("ascii")
 
 
 def written(write: Callable[[Path], None]) -> bytes:

@@ -18,12 +18,12 @@ from rubnoise.figures.study import quantities_of, study_of_sweep
 from rubnoise.figures.study_picture import key_label, quantity_words, study_picture
 from rubnoise.figures.style import PicturesMissing
 from rubnoise.model import Model
-from rubnoise.pages.page import coded, written
+from rubnoise.pages.page import written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
 from rubnoise.record.reader import Reader
 from rubnoise.scenario.text import text_of
 from rubnoise.storage.wave_file import write_wave
-from rubnoise.web_page import part, web_page
+from rubnoise.web_page import coded, part, web_page
 
 CAPTIONS: Final[dict[Kind, str]] = {
     "trace": "Real contact area over the sliding distance, at the beginning of the run. The band is the exact mean with"

@@ -18,13 +18,14 @@ from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch, lowest_and_highest
 from rubnoise.pages.exact_curves import exact_curves
 from rubnoise.pages.lives import bytes_of, lives
-from rubnoise.pages.page import packed, page
+from rubnoise.pages.page import page
 from rubnoise.pages.whole_run import whole_run
 from rubnoise.record.reader import Reader, chunks, column_chunks
 from rubnoise.record.rows import ContactKind, LandmarkKind
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.units import KINDS, USUAL_UNITS
+from rubnoise.web_page import packed
 
 CELLS: Final = 4096
 """Cells of a whole curve, of each of which a page has the lowest and the highest value."""
@@ -45,8 +46,8 @@ CURVES: Final = {
 STYLES: Final = ("uPlot.min.css", "view.css")
 SCRIPTS: Final = (
     "uPlot.iife.min.js",
-    *("rows.js", "where.js", "life.js", "sums.js", "window.js", "charts.js", "lives.js", "table.js", "phase.js"),
-    *("largest.js", "welch.js", "statistics.js", "view.js"),
+    *("rows.js", "plot.js", "where.js", "life.js", "sums.js", "window.js", "charts.js", "lives.js", "table.js"),
+    *("phase.js", "largest.js", "welch.js", "statistics.js", "view.js"),
 )
 
 

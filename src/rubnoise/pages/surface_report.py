@@ -7,11 +7,11 @@ import numpy as np
 
 from rubnoise.api.running import simulate
 from rubnoise.figures.surface import contact_picture
-from rubnoise.pages.page import coded, written
+from rubnoise.pages.page import written
 from rubnoise.scenario import loads
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.surface.sliding import SlidingContact
-from rubnoise.web_page import part, web_page
+from rubnoise.web_page import coded, part, web_page
 
 RATE: Final = 44_100
 SECONDS: Final = 3.0

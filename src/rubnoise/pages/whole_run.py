@@ -6,8 +6,8 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.analysis.spectra import WelchSum
-from rubnoise.pages.page import packed
 from rubnoise.record.reader import Rows, column_chunks
+from rubnoise.web_page import packed
 
 QUANTITIES: Final = {
     "area": ("trace", "real_contact_area"),

@@ -2,12 +2,9 @@
 /* What a trace says of its spectrum and its memory, brought up to date with every tick that has been passed. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { fourier } = rub.numbers;
   const SEGMENT = 1024;
   const LAGS = 66;
   const estimates = {};
-  const window = Float64Array.from({ length: SEGMENT }, (_, i) => Math.sin((Math.PI * (i + 0.5)) / SEGMENT) ** 2);
-  const power = window.reduce((sum, w) => sum + w * w, 0);
   let welch = null;
   let shared = null;
 
@@ -22,26 +19,15 @@
    * windows of 1024 ticks, each half over the one before.
    */
   estimates.spectrum = () => {
-    welch = current(welch, () => ({ sums: new Float64Array(SEGMENT / 2), segments: 0 }));
-    for (; welch.done + SEGMENT <= rub.run.ticksSeen + 1; welch.done += SEGMENT / 2) addSegment(welch);
-    const { tick } = welch.trace;
-    const wavenumber = [];
-    const density = [];
-    for (let i = 1; welch.segments && i < SEGMENT / 2; i += 1) {
-      wavenumber.push((2 * Math.PI * i) / (SEGMENT * tick));
-      density.push(((tick / power) * welch.sums[i]) / welch.segments);
-    }
-    return { wavenumber, density, segments: welch.segments };
+    welch = current(welch, () => ({ sum: new rub.Welch(SEGMENT) }));
+    const { trace, sum } = welch;
+    for (; welch.done + SEGMENT <= rub.run.ticksSeen + 1; welch.done += SEGMENT / 2)
+      sum.add(trace.area.subarray(welch.done, welch.done + SEGMENT), rub.exact().areaMean);
+    const bins = Array.from({ length: sum.segments ? SEGMENT / 2 - 1 : 0 }, (_, i) => i + 1);
+    const density = sum.density(trace.tick);
+    const wavenumber = bins.map((bin) => (2 * Math.PI * bin) / (SEGMENT * trace.tick));
+    return { wavenumber, density: bins.map((bin) => density[bin]), segments: sum.segments };
   };
-
-  function addSegment({ trace, done, sums }) {
-    const mean = rub.exact().areaMean;
-    const re = window.map((w, i) => w * (trace.area[done + i] - mean));
-    const im = new Float64Array(SEGMENT);
-    fourier(re, im);
-    for (let i = 0; i < SEGMENT / 2; i += 1) sums[i] += re[i] * re[i] + im[i] * im[i];
-    welch.segments += 1;
-  }
 
   /** Return the autocovariance of A_r about the exact mean over that at lag 0, at lags up to 1.3 lives. */
   estimates.memory = () => {
@@ -59,6 +45,5 @@
     return { lag, value: Array.from(sums, (sum, i) => sum / pairs(i) / (sums[0] / pairs(0))) };
   };
 
-  estimates.fourier = fourier;
   rub.estimates = estimates;
 })();

@@ -52,8 +52,8 @@
 
   /** Return std/mean times sqrt(N) of equal lenses born at random: sqrt(2 c_2)/c_1. */
   function swing() {
-    const { lifeIntegral } = rub.model.pulses.lens;
-    return Math.sqrt(2 * lifeIntegral(2)) / lifeIntegral(1);
+    const [first, second] = rub.model.pulses.lens.lifeIntegrals;
+    return Math.sqrt(2 * second) / first;
   }
 
   const list = [];

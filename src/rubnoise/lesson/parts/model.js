@@ -1,100 +1,9 @@
 'use strict';
-/* The contact: pulses, sizes, calibration. Lengths in um, areas in um^2, as everywhere on the page. */
+/* The contact: sizes and calibration. Lengths in um, areas in um^2, as everywhere on the page. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { chebyshev, normalDensity, normalMass, panels, evenly, ordered } = rub.numbers;
-
-  /**
-   * Rising half of the lens of unit diameter over u^1.5, and its integral over u^2.5: the series of sqrt(u (2 - u))
-   * integrated term by term, once and twice.
-   */
-  function risingSeries(u, twice) {
-    let factor = Math.SQRT2;
-    let sum = 0;
-    for (let k = 0; k < 60; k += 1) {
-      sum += factor / ((k + 1.5) * (twice ? k + 2.5 : 1));
-      factor *= ((k - 0.5) / (k + 1)) * (u / 2);
-    }
-    return sum;
-  }
-
-  const rising = chebyshev((u) => risingSeries(u, false), 0, 1, 15);
-  const risingIntegral = chebyshev((u) => risingSeries(u, true), 0, 1, 15);
-
-  /** Area of the lens: A = d^2 a(s/d), a(u) = (acos(1 - u) - (1 - u) sqrt(u (2 - u))) / 2 and its mirror image. */
-  function lensArea(sinceBirth, diameter) {
-    const u = Math.min(sinceBirth, 2 * diameter - sinceBirth) / diameter;
-    return u > 0 ? diameter * diameter * u * Math.sqrt(u) * rising(u) : 0;
-  }
-
-  /** Integral of the lens from its birth on, in um^3: d^3 times the antiderivative, mirrored after mid-life. */
-  function lensSum(sinceBirth, diameter) {
-    const u = Math.min(sinceBirth, 2 * diameter - sinceBirth) / diameter;
-    const half = u > 0 ? u * u * Math.sqrt(u) * risingIntegral(u) : 0;
-    return diameter ** 3 * (sinceBirth <= diameter ? half : 2 / 3 - half);
-  }
-
-  /** Integral of the triangle from its birth on, in um^3. */
-  function triangleSum(sinceBirth, diameter) {
-    const u = Math.max(0, Math.min(sinceBirth, 2 * diameter - sinceBirth) / diameter);
-    const half = (Math.PI / 8) * u * u;
-    return diameter ** 3 * (sinceBirth <= diameter ? half : Math.PI / 4 - half);
-  }
-
-  /** Area of Rabinowicz's triangle: (pi/4) d (d - |d - s|). */
-  function triangleArea(sinceBirth, diameter) {
-    return Math.max(0, 0.25 * Math.PI * diameter * Math.min(sinceBirth, 2 * diameter - sinceBirth));
-  }
-
-  /** Integral of the parabola from its birth on, in um^3. */
-  function parabolaSum(sinceBirth, diameter) {
-    const s = Math.min(Math.max(0, sinceBirth), 2 * diameter);
-    return (Math.PI / 4) * s * s * (diameter - s / 3);
-  }
-
-  /** Area of the parabola, which rough surfaces have: (pi/4) s (2d - s). */
-  function parabolaArea(sinceBirth, diameter) {
-    return Math.max(0, 0.25 * Math.PI * sinceBirth * (2 * diameter - sinceBirth));
-  }
-
-  /** Return c_n of the parabola, 2 (pi/4)^n times 2j/(2j + 1) for j = 1 to n. */
-  function parabolaIntegral(power) {
-    let product = 2 * (Math.PI / 4) ** power;
-    for (let j = 1; j <= power; j += 1) product *= (2 * j) / (2 * j + 1);
-    return product;
-  }
-
-  const halfTurn = panels([0, Math.PI / 2], 32);
-
-  /** Return c_n of the lens, where the integral of A^n over a life is c_n d^(2n+1); s = d (1 - cos theta). */
-  function lensIntegral(power) {
-    const term = (t) => (0.5 * (t - Math.sin(t) * Math.cos(t))) ** power * Math.sin(t);
-    return 2 * halfTurn.nodes.reduce((sum, t, i) => sum + halfTurn.weights[i] * term(t), 0);
-  }
-
-  const pulses = {
-    lens: { area: lensArea, sum: lensSum, lifeIntegral: lensIntegral, lifeMean: 1 / 3, meanLife: 2, tail: [4, 4] },
-    triangle: {
-      area: triangleArea,
-      sum: triangleSum,
-      lifeIntegral: (power) => (2 * (Math.PI / 4) ** power) / (power + 1),
-      lifeMean: Math.PI / 8,
-      meanLife: 2,
-      tail: [0.375 * Math.PI ** 2, 4],
-    },
-    parabola: {
-      area: parabolaArea,
-      sum: parabolaSum,
-      lifeIntegral: parabolaIntegral,
-      lifeMean: Math.PI / 6,
-      meanLife: 2,
-      tail: [0.5 * Math.PI ** 2, 4],
-      shareBelow: (t) => 1 - Math.sqrt(1 - t ** 3),
-    },
-  };
-
-  /** Return the pulse of a world; that of lenses off the centre line is in off_centre.js. */
-  const pulseOf = ({ pulse, offset }) => (offset === 'uniform' ? pulses.offCentre : pulses[pulse]);
+  const { normalDensity, normalMass, panels, evenly, ordered } = rub.numbers;
+  const { pulses, pulseOf } = rub.model;
 
   /** Diameters Normal(mean, std), drawn again while not positive; std 0 makes them all equal. */
   class Sizes {
@@ -253,5 +162,5 @@
     return { diameter, sizes, spacing, birthRate: 1 / spacing, meanLife, pulse };
   }
 
-  rub.model = { pulses, Sizes, calibratedDiameter, contact, pulseOf };
+  Object.assign(rub.model, { calibratedDiameter, contact });
 })();

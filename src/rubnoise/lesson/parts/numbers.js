@@ -2,6 +2,7 @@
 /* Numerical tools: quadrature, interpolation, the normal law. Nothing here knows of junctions. */
 (() => {
   const rub = (globalThis.rub ??= {});
+  const { firstAtLeast } = rub;
   const rules = new Map();
 
   /** Return Gauss-Legendre nodes x and weights w on [-1, 1], by Newton's method on the Legendre polynomial. */
@@ -66,86 +67,57 @@
     return sorted.filter((value, i) => i === 0 || value - sorted[i - 1] > least);
   }
 
-  /** Return the function that interpolates f on [low, high] by Chebyshev polynomials, evaluated after Clenshaw. */
-  function chebyshev(f, low, high, degree) {
-    const c = chebyshevCoefficients(f, low, high, degree);
-    return clenshaw(c, low, high);
-  }
-
-  function clenshaw(c, low, high) {
-    const degree = c.length - 1;
+  /** Return the sum of Chebyshev polynomials on [low, high] as a function, after Clenshaw. */
+  function series(c, low, high) {
     const middle = 0.5 * (low + high);
     const scale = 4 / (high - low);
     return (at) => {
       const y = scale * (at - middle);
       let one = 0;
       let two = 0;
-      for (let n = degree; n > 0; n -= 1) {
-        const next = y * one - two + c[n];
-        two = one;
-        one = next;
-      }
+      for (let n = c.length - 1; n > 0; n -= 1) [one, two] = [y * one - two + c[n], one];
       return 0.5 * y * one - two + c[0];
     };
   }
 
-  function chebyshevCoefficients(f, low, high, degree) {
+  /** Return the function that interpolates f on [low, high] by Chebyshev polynomials. */
+  function chebyshev(f, low, high, degree) {
     const c = new Float64Array(degree + 1);
     for (let i = 0; i <= degree; i += 1) {
       const angle = (Math.PI * (i + 0.5)) / (degree + 1);
       const value = f(0.5 * (low + high) + 0.5 * (high - low) * Math.cos(angle));
       for (let n = 0; n <= degree; n += 1) c[n] += ((n ? 2 : 1) / (degree + 1)) * value * Math.cos(n * angle);
     }
-    return c;
+    return series(c, low, high);
   }
 
-  /** Return the function that interpolates f between rising edges, panel by panel, after chebyshev; 0 outside. */
-  function piecewise(f, edges, degree) {
-    const pieces = edges.slice(1).map((edge, i) => chebyshev(f, edges[i], edge, degree));
+  /** Return the function that series between rising edges make together; 0 outside. */
+  function joined(edges, parts) {
     return (at) => {
-      if (at < edges[0] || at >= edges[edges.length - 1]) return 0;
-      return pieces[panelOf(edges, at)](at);
+      if (at < edges[0] || at >= edges.at(-1)) return 0;
+      return parts[Math.max(0, firstAtLeast(edges, at) - 1)](at);
     };
   }
 
-  /** Return the number of the panel between rising edges in which a value lies. */
-  function panelOf(edges, at) {
-    let low = 0;
-    let high = edges.length - 1;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (edges[middle] <= at) low = middle;
-      else high = middle;
-    }
-    return low;
-  }
+  /** Return the function whose Chebyshev coefficients between rising edges are given. */
+  const pieces = (edges, all) =>
+    joined(
+      edges,
+      all.map((c, i) => series(c, edges[i], edges[i + 1])),
+    );
 
-  /** Replace complex numbers by their Fourier sums, in place; sign -1 forward, +1 back (times their number). */
-  function fourier(real, imaginary, sign = -1) {
-    const count = real.length;
-    for (let i = 1, j = 0; i < count; i += 1) {
-      let bit = count >> 1;
-      for (; j & bit; bit >>= 1) j ^= bit;
-      j ^= bit;
-      if (i < j) {
-        [real[i], real[j]] = [real[j], real[i]];
-        [imaginary[i], imaginary[j]] = [imaginary[j], imaginary[i]];
-      }
-    }
-    for (let length = 2; length <= count; length *= 2) butterflies(real, imaginary, length, sign);
-  }
+  /** Return the function that interpolates f between rising edges, panel by panel. */
+  const piecewise = (f, edges, degree) =>
+    joined(
+      edges,
+      edges.slice(1).map((edge, i) => chebyshev(f, edges[i], edge, degree)),
+    );
 
-  function butterflies(real, imaginary, length, sign) {
-    const half = length / 2;
-    for (let k = 0; k < half; k += 1) {
-      const [c, s] = [Math.cos((2 * Math.PI * k) / length), sign * Math.sin((2 * Math.PI * k) / length)];
-      for (let i = k; i < real.length; i += length) {
-        const j = i + half;
-        const [x, y] = [real[j] * c - imaginary[j] * s, real[j] * s + imaginary[j] * c];
-        [real[j], imaginary[j]] = [real[i] - x, imaginary[i] - y];
-        [real[i], imaginary[i]] = [real[i] + x, imaginary[i] + y];
-      }
-    }
+  /** Return the value of a polynomial. */
+  function polynomial(c, x) {
+    let sum = 0;
+    for (let n = c.length - 1; n >= 0; n -= 1) sum = sum * x + c[n];
+    return sum;
   }
 
   /** Return the density of the standard normal law. */
@@ -163,5 +135,5 @@
     return 0.5 + normalDensity(z) * sum;
   }
 
-  rub.numbers = { gauss, panels, evenly, ordered, chebyshev, piecewise, normalDensity, normalMass, fourier };
+  rub.numbers = { gauss, panels, evenly, ordered, chebyshev, piecewise, pieces, polynomial, normalDensity, normalMass };
 })();

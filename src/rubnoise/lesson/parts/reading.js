@@ -2,8 +2,6 @@
 /* A size read off a friction trace: by eye, with a bar laid beside a bump, and by the half of its autocorrelation. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { fourier } = rub.numbers;
-  const LETTERS = 'ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/';
   const LONGEST_LAG = 20; // um
   const WIDE = 120; // um of the trace on show
   const SHORTEST = 1.2; // um
@@ -11,12 +9,6 @@
   /** What may be seen of the open trace: itself, how others read its size, and the truth. */
   const LEVELS = { trace: 0, readings: 1, truth: 2 };
   const reading = { law: '', level: LEVELS.trace, known: new Map(), bars: {} };
-
-  /** Return the forces that a trace of the page holds, in uN: two letters of base64 each, the high one first. */
-  function forces({ values, step }) {
-    const digit = (i) => LETTERS.indexOf(values[i]);
-    return Float64Array.from({ length: values.length / 2 }, (_, i) => (64 * digit(2 * i) + digit(2 * i + 1)) * step);
-  }
 
   /** Return the autocovariance over the variance at 0, 1 ... lags ticks, about the mean. */
   function correlation(values, lags) {
@@ -27,9 +19,9 @@
     values.forEach((value, i) => {
       real[i] = value - mean;
     });
-    fourier(real, imaginary);
+    rub.fourier(real, imaginary);
     for (let i = 0; i < size; i += 1) [real[i], imaginary[i]] = [real[i] ** 2 + imaginary[i] ** 2, 0];
-    fourier(real, imaginary, 1);
+    rub.fourier(real, imaginary, 1);
     return Float64Array.from({ length: lags + 1 }, (_, lag) => real[lag] / real[0]);
   }
 
@@ -48,7 +40,7 @@
     let [low, high] = [0, 2];
     for (let i = 0; i < 60; i += 1) {
       perDiameter = 0.5 * (low + high);
-      if (2 * rub.theory.lifeOverlap(lens, perDiameter) > rub.theory.lifeOverlap(lens, 0)) low = perDiameter;
+      if (2 * lens.overlap(perDiameter) > lens.overlap(0)) low = perDiameter;
       else high = perDiameter;
     }
     return perDiameter;
@@ -58,7 +50,7 @@
   reading.of = (law) => {
     if (!reading.known.has(law)) {
       const given = rub.lesson.readings.find((each) => each.law === law);
-      const values = forces(given);
+      const values = Float64Array.from(rub.unpacked(given.values), (value) => value * given.step);
       const shared = correlation(values, Math.ceil(LONGEST_LAG / given.tick));
       const half = halfOf(shared) * given.tick;
       const top = values.reduce((most, value) => Math.max(most, value), 0);

@@ -56,20 +56,12 @@
     }
   }
 
-  /** Return the doubles that a base64 text holds, lowest byte first. */
-  function doubles(text) {
-    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-    return new Float64Array(bytes.buffer);
-  }
-
   /** Junctions of a run that has been made before: all there from the beginning; the row number is that of the run. */
   class Replay {
     constructor(record, world) {
-      const birth = doubles(record.birth);
-      const diameter = doubles(record.diameter);
-      const strength = record.strength ? doubles(record.strength) : null;
-      const death = record.death ? doubles(record.death) : null;
-      const offset = record.offset ? doubles(record.offset) : null;
+      const given = Object.entries(record).filter(([, each]) => each?.bytes);
+      const columns = Object.fromEntries(given.map(([name, packed]) => [name, rub.unpacked(packed)]));
+      const { birth, diameter, strength, death, offset } = columns;
       this.longest = 0;
       this.rows = Array.from(birth, (b, id) => {
         this.longest = Math.max(this.longest, 2 * diameter[id]);
@@ -99,5 +91,5 @@
     }
   }
 
-  Object.assign(rub.model, { Births, Replay, doubles });
+  Object.assign(rub.model, { Births, Replay });
 })();

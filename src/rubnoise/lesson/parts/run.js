@@ -256,7 +256,7 @@
   /** Where the slider starts: at rest under the mean force, or at zero. */
   function startOf(world, { birthRate, pulse, sizes }) {
     const start = rub.lesson.sliderStart === 'rest' ? 0 : 1;
-    return (start * world.strength * birthRate * pulse.lifeIntegral(1) * sizes.moment(3)) / world.stiffness;
+    return (start * world.strength * birthRate * pulse.lifeIntegrals[0] * sizes.moment(3)) / world.stiffness;
   }
 
   rub.run = run;

@@ -27,21 +27,6 @@
     return contact.birthRate * average(contact.sizes, 0, (d) => d ** 6 * meanSquare(k * d));
   }
 
-  /** Return q(t) = int a(s) a(s + t) ds for a life of unit diameter; 0 for t >= 2. */
-  function lifeOverlap(pulse, t) {
-    if (t >= 2) return 0;
-    if (pulse.overlap) return pulse.overlap(t);
-    const cuts = ordered([0, Math.acos(Math.min(t, 1)), Math.acos(t / 2)]);
-    if (cuts.length < 2) return 0;
-    const { nodes, weights } = panels(cuts, 16);
-    let sum = 0;
-    for (let i = 0; i < nodes.length; i += 1) {
-      const age = 2 * Math.sin(0.5 * nodes[i]) ** 2;
-      sum += weights[i] * Math.sin(nodes[i]) * pulse.area(age, 1) * pulse.area(age + t, 1);
-    }
-    return 2 * sum;
-  }
-
   /** Return lam E[int A(s) A(s + lag) ds] in um^4: the autocovariance of Poisson births. */
   function shotCovariance(contact, lag) {
     const { sizes, pulse, birthRate } = contact;
@@ -50,7 +35,7 @@
     const rule = sizes.cutRule([0.5 * tau, tau]);
     let sum = 0;
     rule.nodes.forEach((d, i) => {
-      if (2 * d > tau) sum += rule.weights[i] * d ** 5 * lifeOverlap(pulse, tau / d);
+      if (2 * d > tau) sum += rule.weights[i] * d ** 5 * pulse.overlap(tau / d);
     });
     return birthRate * sum;
   }
@@ -60,7 +45,7 @@
 
   /** Return variance and third cumulant of A_r for Poisson births, lam c_n m_(2n+1), and Var[N]. */
   function shotCumulants({ pulse, birthRate, sizes }) {
-    const cumulant = (n) => birthRate * pulse.lifeIntegral(n) * sizes.moment(2 * n + 1);
+    const cumulant = (n) => birthRate * pulse.lifeIntegrals[n - 1] * sizes.moment(2 * n + 1);
     return { variance: cumulant(2), third: cumulant(3), countVariance: countMean({ pulse, birthRate, sizes }) };
   }
 
@@ -156,7 +141,7 @@
     const contact = rub.model.contact(world);
     const { sizes, pulse, birthRate } = contact;
     const law = lawOf(world, contact);
-    const areaMean = birthRate * pulse.lifeIntegral(1) * sizes.moment(3);
+    const areaMean = birthRate * pulse.lifeIntegrals[0] * sizes.moment(3);
     const areaStd = Math.sqrt(law.variance) > 1e-12 * areaMean ? Math.sqrt(law.variance) : 0;
     let spread = null;
     const slider = () => (spread ??= sliderSpread(world, contact, law.density, law.lines()));
@@ -202,6 +187,6 @@
     };
   }
 
-  Object.assign((rub.theory = {}), { exact, average, panelsFor, lifeOverlap, countMean, sliderOf });
+  Object.assign((rub.theory = {}), { exact, average, panelsFor, countMean, sliderOf });
   Object.assign(rub.theory, { shotDensity, smoothDensity, shotCovariance });
 })();

@@ -2,7 +2,7 @@
 /* How real contact area is distributed where births are at random: not the bell curve, though it tends to it. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { chebyshev, fourier, gauss, normalDensity, normalMass } = rub.numbers;
+  const { chebyshev, gauss, normalDensity, normalMass } = rub.numbers;
   const PEAK = 0.25 * Math.PI; // area at full overlap of a junction of unit diameter
   const CELLS = 2 ** 14; // of the lattice, which reaches twice as far as the picture: nothing to speak of lies beyond
   const CELLS_TO_TOP = 7680;
@@ -77,13 +77,13 @@
       real[i] = next - before;
       before = next;
     }
-    fourier(real, imaginary);
+    rub.fourier(real, imaginary);
     for (let i = 0; i < CELLS; i += 1) {
       const size = Math.exp(alive * (real[i] - 1)) / CELLS;
       const phase = alive * imaginary[i];
       [real[i], imaginary[i]] = [size * Math.cos(phase), size * Math.sin(phase)];
     }
-    fourier(real, imaginary, 1);
+    rub.fourier(real, imaginary, 1);
     real[0] = 2 * (real[0] - rub.theory.areaAtom(contact));
     const stride = CELLS_TO_TOP / (count - 1);
     return Float64Array.from({ length: count }, (_, i) => Math.max(0, real[Math.round(i * stride)]) / cell);

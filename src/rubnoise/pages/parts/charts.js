@@ -1,20 +1,17 @@
 /* Curves over sliding distance or time: every row inside the stretch of the page, extremes of cells elsewhere. */
 "use strict";
 (() => {
-  const { data } = view;
+  const { data, ink, shaded } = view;
   const MOST_POINTS = 3000;
   const groups = Object.fromEntries(
     Object.entries(data.groups).map(([name, group]) => [name, { first: group.first, ...view.columns(group.columns) }]),
   );
+  const unpacked = (columns) => columns && Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, view.unpacked(column)]));
   const levels = Object.fromEntries(
-    Object.entries(data.levels).map(([name, level]) => {
-      const { step, rows, ...curves } = level;
-      const found = { step, rows };
-      for (const [curve, { low, high }] of Object.entries(curves)) {
-        found[curve] = { low: view.unpacked(low), high: view.unpacked(high) };
-      }
-      return [name, found];
-    }),
+    Object.entries(data.levels).map(([name, { step, rows, ...curves }]) => [
+      name,
+      { step, rows, ...Object.fromEntries(Object.entries(curves).map(([curve, ends]) => [curve, unpacked(ends)])) },
+    ]),
   );
   view.groups = groups;
 
@@ -38,9 +35,9 @@
     if (clock === null) return s;
     if (s >= data.start && s <= data.stop) {
       const { time } = groups.slider;
-      return time[Math.min(view.firstAtLeast(clock.reached, s), time.length - 1)];
+      return time[Math.min(rub.firstAtLeast(clock.reached, s), time.length - 1)];
     }
-    return view.firstAtLeast(clock.reachedInAll, s) * levels.slider.step * clock.step;
+    return rub.firstAtLeast(clock.reachedInAll, s) * levels.slider.step * clock.step;
   };
 
   /** The distance that the slider has reached at a time. */
@@ -104,24 +101,6 @@
   };
   view.curve = curve;
 
-  const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-  view.ink = ink;
-
-  const axis = (label) => ({
-    label, labelSize: 22, size: 46, font: "12px system-ui", labelFont: "13px system-ui",
-    stroke: () => ink("ink"), grid: { stroke: () => ink("grid"), width: 1 }, ticks: { stroke: () => ink("grid"), width: 1 },
-  });
-
-  const shaded = (chart, begin, end, colour) => {
-    const { ctx, bbox } = chart;
-    const left = Math.max(chart.valToPos(begin, "x", true), bbox.left);
-    const right = Math.min(chart.valToPos(end, "x", true), bbox.left + bbox.width);
-    if (right <= left) return;
-    ctx.fillStyle = colour;
-    ctx.fillRect(left, bbox.top, Math.max(right - left, 1), bbox.height);
-  };
-
-  const unpacked = (columns) => columns && Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, view.unpacked(column)]));
   const [flights, turns] = [unpacked(data.flights), unpacked(data.landmarks?.reversals)];
   const sticks = data.landmarks && unpacked({ begin: data.landmarks.begin, end: data.landmarks.end });
 
@@ -129,14 +108,14 @@
   const shadeAll = (spans) => (chart) => {
     const { min, max } = chart.scales.x;
     const { begin, end } = spans ?? { begin: [], end: [] };
-    for (let i = view.firstAtLeast(end, min); i < begin.length && begin[i] <= max; i += 1) shaded(chart, begin[i], end[i], ink("stick"));
+    for (let i = rub.firstAtLeast(end, min); i < begin.length && begin[i] <= max; i += 1) shaded(chart, begin[i], end[i], ink("stick"));
   };
 
   const MOST_MARKS = 2000;
   /** Mark places on a curve, of which none has a mark where the curve is not known: turns, impacts. */
   const markAll = (places, valueOf, outline) => (chart) => {
     const { min, max } = chart.scales.x;
-    const [first, last] = places ? [min, max].map((end) => view.firstAtLeast(places, end)) : [0, 0];
+    const [first, last] = places ? [min, max].map((end) => rub.firstAtLeast(places, end)) : [0, 0];
     if (last - first > MOST_MARKS) return;
     const { ctx } = chart;
     ctx.strokeStyle = ink("exact");
@@ -159,37 +138,21 @@
     if (view.chosen === null) return;
     shaded(chart, view.lives.birth_distance[view.chosen], view.lives.death_distance[view.chosen], ink("life"));
   };
-  const drawMark = (chart) => {
-    if (view.mark === null) return;
-    const { ctx, bbox } = chart;
-    const x = chart.valToPos(view.mark, "x", true);
-    if (x < bbox.left || x > bbox.left + bbox.width) return;
-    ctx.strokeStyle = ink("ink");
-    ctx.lineWidth = devicePixelRatio;
-    ctx.beginPath();
-    ctx.moveTo(x, bbox.top);
-    ctx.lineTo(x, bbox.top + bbox.height);
-    ctx.stroke();
+  view.drawMark = (chart) => {
+    if (view.mark !== null) view.upright(chart, view.mark);
   };
-  view.drawMark = drawMark;
-  const drawBand = (exact) => (chart) => {
-    const { ctx, bbox } = chart;
-    const [high, low] = [exact.mean + (exact.std ?? 0), exact.mean - (exact.std ?? 0)].map((y) => chart.valToPos(y, "y", true));
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-    ctx.clip();
+  const drawBand = (exact) => (chart) => view.clipped(chart, (ctx) => {
+    const { left, width } = chart.bbox;
+    const [high, middle, low] = [1, 0, -1].map((n) => chart.valToPos(exact.mean + n * (exact.std ?? 0), "y", true));
     ctx.fillStyle = ink("band");
-    ctx.fillRect(bbox.left, high, bbox.width, low - high);
+    ctx.fillRect(left, high, width, low - high);
     ctx.strokeStyle = ink("exact");
     ctx.lineWidth = 1.5 * devicePixelRatio;
-    const middle = chart.valToPos(exact.mean, "y", true);
     ctx.beginPath();
-    ctx.moveTo(bbox.left, middle);
-    ctx.lineTo(bbox.left + bbox.width, middle);
+    ctx.moveTo(left, middle);
+    ctx.lineTo(left + width, middle);
     ctx.stroke();
-    ctx.restore();
-  };
+  });
 
   const PANELS = [
     { group: "trace", name: "real_contact_area", label: "area (µm²)", exact: data.area, fromZero: true },
@@ -219,25 +182,18 @@
     chart.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   };
 
-  view.newChart = (place, { label, name, timed, xLabel, height, range, hooks = {}, series = {}, data: values, sync = true }) => {
-    const options = {
-      width: place.clientWidth, height, legend: { show: false },
-      scales: {
-        x: { time: false, range: () => (timed ? [view.timeAt(view.window.from), view.timeAt(view.window.to)] : [view.window.from, view.window.to]) },
-        y: { range },
-      },
-      axes: [{ ...axis(xLabel), size: 38 }, { ...axis(label), size: 86 }],
-      series: [{}, { stroke: () => ink("curve"), width: 1.4, points: { show: false }, ...series }],
+  view.newChart = (place, { name, timed, range, hooks = {}, data: values, ...more }) => {
+    const ends = () => [view.window.from, view.window.to];
+    const chart = view.plot(place, values, {
+      name: `${name} over ${timed ? "time" : "sliding distance"}`,
+      scales: { x: { range: () => (timed ? ends().map(view.timeAt) : ends()) }, y: { range } },
+      series: [view.line("curve", 1.4)],
       cursor: {
-        y: false, drag: { x: true, y: false, setScale: false },
-        ...(sync ? { sync: { key: timed ? "time" : "distance", setSeries: false } } : {}),
+        y: false, drag: { x: true, y: false, setScale: false }, sync: { key: timed ? "time" : "distance", setSeries: false },
       },
-      hooks: { setSelect: [(chart) => zoomTo(chart, timed)], ...hooks },
-    };
-    const chart = new uPlot(options, values, place);
-    const picture = chart.root.querySelector("canvas");
-    picture.setAttribute("role", "img");
-    picture.setAttribute("aria-label", `${name} over ${timed ? "time" : "sliding distance"}`);
+      hooks: { setSelect: [(one) => zoomTo(one, timed)], setCursor: [(one) => view.pointed(one, timed)], ...hooks },
+      ...more,
+    });
     chart.over.addEventListener("dblclick", () => view.show(data.start, data.stop));
     view.zoomsByWheel(chart, (value) => (timed ? view.distanceAt(value) : value));
     return chart;
@@ -255,27 +211,22 @@
   view.makeCharts = () => {
     for (const { group, name, label, exact, fromZero } of PANELS) {
       if (!groups[group] || !(name in groups[group].units)) continue;
-      const place = document.createElement("div");
-      place.className = "chart";
-      place.dataset.curve = curveOf(group, name);
+      const called = curveOf(group, name);
+      const place = rub.make("div", { class: "chart", "data-curve": called });
       document.getElementById(group === "slider" ? "motion" : "contact").append(place);
       const timed = keyOf(group) === "time";
-      const before = [...(exact ? [drawBand(exact)] : []), ...(timed ? [shadeAll(sticks)] : [shadeAll(flights), drawLife, drawMark])];
+      const before = [...(exact ? [drawBand(exact)] : []), ...(timed ? [shadeAll(sticks)] : [shadeAll(flights), drawLife, view.drawMark])];
       const chart = view.newChart(place, {
-        label, name: curveOf(group, name).replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero, curveOf(group, name)),
+        name: called.replaceAll("_", " "), timed, across: [axisLabel(group), 38], up: [label, 86], height: 170, range: around(fromZero, called),
         data: curve(group, name, view.window.from, view.window.to),
-        hooks: { drawClear: before, draw: [MARKS[curveOf(group, name)]].filter(Boolean), setCursor: [(one) => view.pointed(one, timed)] },
+        hooks: { drawClear: before, draw: [MARKS[called]].filter(Boolean) },
       });
       made.push({ chart, redraw: () => chart.setData(curve(group, name, view.window.from, view.window.to)), place });
     }
     const place = document.getElementById("overview");
-    const all = () => curve("trace", "real_contact_area", 0, data.distance);
-    const overview = new uPlot({
-      width: place.clientWidth, height: 96, legend: { show: false },
-      scales: { x: { time: false, range: () => [0, data.distance] }, y: { range: around(true, "overview") } },
-      axes: [{ ...axis(""), size: 26, labelSize: 0, label: undefined }, { ...axis("area"), size: 86 }],
-      series: [{}, { stroke: () => ink("curve"), width: 1, points: { show: false } }],
-      cursor: { show: false },
+    const overview = view.plot(place, curve("trace", "real_contact_area", 0, data.distance), {
+      name: "", height: 96, across: [undefined, 26], up: ["area", 86], series: [view.line("curve", 1)],
+      scales: { x: { range: () => [0, data.distance] }, y: { range: around(true, "overview") } },
       hooks: {
         drawClear: [(chart) => {
           // A shade over all of it would say nothing, and look like a band of theory.
@@ -283,7 +234,7 @@
           shaded(chart, view.window.from, view.window.to, ink("life"));
         }],
       },
-    }, all(), place);
+    });
     view.movesWindow(overview);
     view.zoomsByWheel(overview, (value) => value);
     overview.root.querySelector("canvas").setAttribute("aria-hidden", "true");

@@ -7,13 +7,9 @@
 
   /** A button that shows a junction by its row. */
   view.opener = (row) => {
-    const open = document.createElement("button");
     const junction = view.lives.junction[row];
-    open.type = "button";
-    open.textContent = junction;
-    open.setAttribute("aria-label", `Show ${view.one} ${junction}`);
-    open.addEventListener("click", () => view.visit(row));
-    return open;
+    const label = `Show ${view.one} ${junction}`;
+    return rub.make("button", { type: "button", text: junction, "aria-label": label, onclick: () => view.visit(row) });
   };
 
   /** Buttons of junctions by their rows, of many the first. */

@@ -29,7 +29,7 @@
   view.areaAtAge = (row, age) => areaOf(age, view.lives.diameter[row], offset(row));
 
   /** The first row that can be alive at a distance, as rows are in order of birth. */
-  view.firstAlive = (s) => view.firstAtLeast(birth, s - longest);
+  view.firstAlive = (s) => rub.firstAtLeast(birth, s - longest);
 
   /** The rows that live anywhere between two distances. */
   view.livesBetween = (from, to) => {

@@ -107,18 +107,14 @@
     }
   };
 
-  const draw = (chart) => {
-    const { ctx, bbox } = chart;
+  const draw = (chart) => view.clipped(chart, (ctx) => {
+    const { bbox } = chart;
     const { from, to } = view.window;
     const all = visible(from, to);
     const every = Math.ceil(all.length / MOST_DRAWN);
     const some = every > 1 ? all.filter((_, i) => i % every === 0) : all;
     const lane = bbox.height / laneCount;
     const width = Math.max(Math.min(0.6 * lane, 12 * devicePixelRatio), 1);
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-    ctx.clip();
     const { start, stop } = data.junctions;
     if (to < start || from > stop) {
       ctx.fillStyle = view.ink("ink");
@@ -143,17 +139,11 @@
     view.drawMark(chart);
     for (const [edge, isIn] of [[start, from < start], [stop, to > stop]]) {
       if (!isIn) continue;
-      const x = chart.valToPos(edge, "x", true);
       ctx.setLineDash([6, 6]);
-      ctx.strokeStyle = view.ink("ink");
-      ctx.beginPath();
-      ctx.moveTo(x, bbox.top);
-      ctx.lineTo(x, bbox.top + bbox.height);
-      ctx.stroke();
+      view.upright(chart, edge);
       ctx.setLineDash([]);
     }
-    ctx.restore();
-  };
+  });
 
   const hit = (chart, event) => {
     const box = chart.over.getBoundingClientRect();
@@ -172,9 +162,8 @@
   view.makeLives = () => {
     const ends = () => [[view.window.from, view.window.to], [0, laneCount]];
     const chart = view.newChart(place, {
-      label: "life-lines", name: `life-lines of ${view.many}`, timed: false, xLabel: "sliding distance (µm)", height: 300,
-      range: () => [0, laneCount], data: ends(), series: { stroke: "transparent" },
-      hooks: { draw: [draw], setCursor: [(one) => view.pointed(one, false)] },
+      name: `life-lines of ${view.many}`, timed: false, across: ["sliding distance (µm)", 38], up: ["life-lines", 86], height: 300,
+      range: () => [0, laneCount], data: ends(), series: [{ stroke: "transparent", points: { show: false } }], hooks: { draw: [draw] },
     });
     chart.over.addEventListener("click", (event) => {
       const row = hit(chart, event);
@@ -184,12 +173,8 @@
       chart.over.style.cursor = hit(chart, event) === null ? "crosshair" : "pointer";
     });
     view.addChart({ chart, place, redraw: () => chart.setData(ends()) });
-    const steps = document.getElementById("shades");
-    COLOURS.forEach((colour) => {
-      const step = document.createElement("i");
-      step.style.background = colour;
-      steps.append(step);
-    });
+    const steps = COLOURS.map((colour) => rub.make("i", { style: `background: ${colour}` }));
+    document.getElementById("shades").append(...steps);
     document.getElementById("least").textContent = Number.isFinite(least) ? `${view.number(least)} µm` : "";
     document.getElementById("most").textContent = Number.isFinite(most) ? `${view.number(most)} µm` : "";
   };
@@ -198,7 +183,7 @@
   view.aliveCount = (s) => (s < data.junctions.start || s > data.junctions.stop ? null : view.aliveAt(s).length);
 
   view.rowOf = (junction) => {
-    const row = view.firstAtLeast(rows.junction, junction);
+    const row = rub.firstAtLeast(rows.junction, junction);
     return rows.junction[row] === junction ? row : null;
   };
 })();

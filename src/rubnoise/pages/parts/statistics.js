@@ -25,25 +25,13 @@
   for (const select of ["heard", "counted"])
     for (const option of $(select).options) option.hidden = option.disabled = exact[option.value] === null;
 
-  const axis = (label, size) => ({
-    label, size, labelSize: 20, font: "12px system-ui", labelFont: "13px system-ui",
-    stroke: () => view.ink("ink"), grid: { stroke: () => view.ink("grid"), width: 1 },
-    values: (_, ticks) => ticks.map((value) => (value === null ? "" : view.number(value))),
-  });
   const made = {};
-  const draw = (id, values, series, { logarithmic, across, up, label, bands = [] }) => {
+  const draw = (id, values, { logarithmic, ...more }) => {
     made[id]?.destroy();
-    const place = $(id);
     const scale = logarithmic ? { distr: 3 } : {};
-    made[id] = new uPlot({
-      width: place.clientWidth, height: 230, legend: { show: false }, cursor: { show: false }, bands,
-      scales: { x: { time: false, ...scale }, y: scale }, axes: [axis(across, 44), axis(up, 78)], series: [{}, ...series],
-    }, values, place);
-    const picture = made[id].root.querySelector("canvas");
-    picture.setAttribute("role", "img");
-    picture.setAttribute("aria-label", label);
+    made[id] = view.plot($(id), values, { height: 230, axes: view.numbered, scales: { x: scale, y: scale }, ...more });
   };
-  const line = (ink, width, more = {}) => ({ stroke: () => view.ink(ink), width, points: { show: false }, ...more });
+  const { line } = view;
 
   const spectrum = () => {
     const heard = $("heard").value;
@@ -64,9 +52,11 @@
     const positive = (value) => (value > 0 ? value : null);
     const curves = [bins.map((bin) => positive(seen[bin]))];
     if (expected) for (const factor of [low, high, 1]) curves.push(bins.map((bin) => positive(factor * expected[bin])));
-    draw("spectrum", [bins.map((bin) => (2 * Math.PI * bin) / (ticks * step)), ...curves], [
-      line("curve", 1), ...(expected ? [line("band", 0), line("band", 0), line("exact", 1.6)] : []),
-    ], { logarithmic: true, across, up, label: `spectrum of the ${heard} in ${words()}`, bands: expected ? [{ series: [3, 2], fill: () => view.ink("band") }] : [] });
+    draw("spectrum", [bins.map((bin) => (2 * Math.PI * bin) / (ticks * step)), ...curves], {
+      logarithmic: true, across: [across, 44], up: [up, 78], name: `spectrum of the ${heard} in ${words()}`,
+      series: [line("curve", 1), ...(expected ? [line("band", 0), line("band", 0), line("exact", 1.6)] : [])],
+      bands: expected ? [{ series: [3, 2], fill: () => view.ink("band") }] : [],
+    });
   };
 
   /** The ticks of the window in bars, null if they are few. Nothing is borne off the surface: a share of the time, and no bar. */
@@ -98,10 +88,13 @@
     const places = heights.map((_, bar) => least + (bar + 0.5) * width);
     const areas = law ? Array.from(law.subarray(0, law.length / 2)) : [];
     const joined = uPlot.join([[places, heights], ...(law ? [[areas, Array.from(law.subarray(areas.length))]] : [])]);
-    draw("histogram", joined, [
-      { ...line("curve", 1, { fill: () => view.ink("life") }), paths: uPlot.paths.stepped({ align: 1, alignGaps: 1 }), spanGaps: true },
-      ...(law ? [line("exact", 1.6, { spanGaps: true })] : []),
-    ], { logarithmic: false, across: `${name} (${unit})`, up: `density (1/(${unit}))`, label: `histogram of the ${name} in ${words()}` });
+    draw("histogram", joined, {
+      across: [`${name} (${unit})`, 44], up: [`density (1/(${unit}))`, 78], name: `histogram of the ${name} in ${words()}`,
+      series: [
+        { ...line("curve", 1, { fill: () => view.ink("life") }), paths: uPlot.paths.stepped({ align: 1, alignGaps: 1 }), spanGaps: true },
+        ...(law ? [line("exact", 1.6, { spanGaps: true })] : []),
+      ],
+    });
   };
 
   let waiting = 0;

@@ -1,14 +1,14 @@
 /* The page of a sweep: its runs as points over what is swept, and one run beside them. */
 "use strict";
 (() => {
-  const { data } = view;
+  const { data, ink, line } = view;
+  const { make } = rub;
   const $ = (id) => document.getElementById(id);
   const { columns } = data;
   const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56b4e9", "#7a52a3", "#b3490b", "#4d4d4d", "#2e8b57"];
   const LISTED = 200;
   const words = (name) => name.replace(/^.*\./, "").replaceAll("_", " ");
   const label = (name) => (["", "1"].includes(columns[name].units) ? words(name) : `${words(name)} (${columns[name].units})`);
-  const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
   const isNumeric = (name) => columns[name].values.every((value) => value === null || typeof value === "number");
   const measured = data.figures.filter((name) => columns[name].values.some((value) => value !== null));
   const PREFERRED = ["displacement_std", "real_contact_area_std"];
@@ -57,11 +57,6 @@
     };
   };
 
-  const axis = (text, size, isLog) => ({
-    label: text, labelSize: 24, size, font: "12px system-ui", labelFont: "13px system-ui", stroke: () => ink("ink"),
-    grid: { stroke: () => ink("grid"), width: 1 }, ticks: { stroke: () => ink("grid"), width: 1 }, ...(isLog ? { values: (_, ticks) => ticks.map((v) => (v === null ? "" : view.number(v))) } : {}),
-  });
-
   const draw = () => {
     const [x, y] = [$("x").value, $("y").value];
     const [xs, ys] = [columns[x].values, columns[y].values];
@@ -83,17 +78,17 @@
     };
     const marks = (colour) => ({ stroke: colour, paths: () => null, points: isMap() ? { show: true, size: 26, fill: colour, paths: squares } : { show: true, size: 8, fill: colour } });
     const place = $("plot");
-    chart = new uPlot({
-      width: place.clientWidth, height: 420, legend: { show: false },
-      scales: { x: { time: false, distr: acrossLog ? 3 : 1, range: margin(acrossLog) }, y: { distr: upLog ? 3 : 1, range: margin(upLog) } },
-      axes: [axis(label(x), 48, acrossLog), axis(label(y), 80, upLog)],
-      series: [{}, ...names.map((_, k) => marks(colourOf(k, names.length))), ...(exact ? [{ stroke: () => ink("ink"), paths: () => null, points: { show: true, size: 14, width: 2, paths: dashes } }] : [])],
+    chart = view.plot(place, values, {
+      name: `${words(y)} of ${runs.length} runs over ${words(x)}`, height: 420, across: [label(x), 48], up: [label(y), 80],
+      axes: acrossLog || upLog ? view.numbered : {},
+      scales: { x: { distr: acrossLog ? 3 : 1, range: margin(acrossLog) }, y: { distr: upLog ? 3 : 1, range: margin(upLog) } },
+      series: [
+        ...names.map((_, k) => marks(colourOf(k, names.length))),
+        ...(exact ? [line("ink", 1, { paths: () => null, points: { show: true, size: 14, width: 2, paths: dashes } })] : []),
+      ],
       cursor: { drag: { x: false, y: false }, points: { show: false } },
       hooks: { draw: [(one) => ring(one, xs, ys)] },
-    }, values, place);
-    const picture = chart.root.querySelector("canvas");
-    picture.setAttribute("role", "img");
-    picture.setAttribute("aria-label", `${words(y)} of ${runs.length} runs over ${words(x)}`);
+    });
     chart.over.addEventListener("click", (event) => {
       const box = chart.over.getBoundingClientRect();
       const away = (run) => Math.hypot(chart.valToPos(xs[run], "x") - (event.clientX - box.left), chart.valToPos(ys[run], "y") - (event.clientY - box.top));
@@ -104,30 +99,24 @@
     list();
   };
 
+  /* A mark for each value of a series. */
+  const marked = (outline, isFilled) => (one, seriesIndex, first, last) => {
+    const path = new Path2D();
+    for (let i = first; i <= last; i += 1) {
+      const value = one.data[seriesIndex][i];
+      if (value !== null) outline(path, one.valToPos(one.data[0][i], "x", true), one.valToPos(value, "y", true));
+    }
+    return { stroke: path, fill: isFilled ? path : null, flags: isFilled ? 3 : 2 };
+  };
   /* Exact values are dashes, so that the points show through. */
-  const dashes = (one, seriesIndex, first, last) => {
-    const path = new Path2D();
-    const half = 9 * devicePixelRatio;
-    for (let i = first; i <= last; i += 1) {
-      const value = one.data[seriesIndex][i];
-      if (value === null) continue;
-      const [left, up] = [one.valToPos(one.data[0][i], "x", true), one.valToPos(value, "y", true)];
-      path.moveTo(left - half, up);
-      path.lineTo(left + half, up);
-    }
-    return { stroke: path, fill: null, flags: 2 };
-  };
-
-  const squares = (one, seriesIndex, first, last) => {
-    const path = new Path2D();
+  const dashes = marked((path, x, y) => {
+    path.moveTo(x - 9 * devicePixelRatio, y);
+    path.lineTo(x + 9 * devicePixelRatio, y);
+  }, false);
+  const squares = marked((path, x, y) => {
     const half = 13 * devicePixelRatio;
-    for (let i = first; i <= last; i += 1) {
-      const value = one.data[seriesIndex][i];
-      if (value === null) continue;
-      path.rect(one.valToPos(one.data[0][i], "x", true) - half, one.valToPos(value, "y", true) - half, 2 * half, 2 * half);
-    }
-    return { stroke: path, fill: path, flags: 3 };
-  };
+    path.rect(x - half, y - half, 2 * half, 2 * half);
+  }, true);
 
   /* Spectra of points over each other, each in a colour. */
   const drawSpectra = () => {
@@ -136,14 +125,11 @@
     if (!runs.length) return;
     const curves = runs.map((run) => data.spectra[run]);
     $("spectra").replaceChildren();
-    const made = new uPlot({
-      width: $("spectra").clientWidth, height: 320, legend: { show: false }, cursor: { show: false },
-      scales: { x: { time: false, distr: 3 }, y: { distr: 3 } },
-      axes: [axis("wavenumber (rad/µm)", 48, true), axis("S (µm⁴ per rad/µm)", 80, true)],
-      series: [{}, ...runs.map((_, k) => ({ stroke: COLOURS[k], width: 1.4, spanGaps: true, points: { show: false } }))],
-    }, uPlot.join(curves), $("spectra"));
-    made.root.querySelector("canvas").setAttribute("role", "img");
-    made.root.querySelector("canvas").setAttribute("aria-label", `spectra of the real contact area of ${runs.length} points`);
+    view.plot($("spectra"), uPlot.join(curves), {
+      name: `spectra of the real contact area of ${runs.length} points`, height: 320, axes: view.numbered,
+      across: ["wavenumber (rad/µm)", 48], up: ["S (µm⁴ per rad/µm)", 80], scales: { x: { distr: 3 }, y: { distr: 3 } },
+      series: runs.map((_, k) => ({ stroke: COLOURS[k], width: 1.4, spanGaps: true, points: { show: false } })),
+    });
     $("spectra-legend").replaceChildren(...runs.map((id, k) => {
       const run = data.runs.indexOf(id);
       return sign("dot", data.keys.map((key) => `${words(key)} ${shown(columns[key].values[run])}`).join(", "), COLOURS[k]);
@@ -159,60 +145,32 @@
     one.ctx.stroke();
   };
 
-  const sign = (kind, text, colour) => {
-    const [item, mark] = [document.createElement("span"), document.createElement("i")];
-    mark.className = kind;
-    if (colour) mark.style.background = colour;
-    item.append(mark, ` ${text}`);
-    return item;
-  };
+  const sign = (kind, text, colour) =>
+    make("span", {}, make("i", { class: kind, style: colour && `background: ${colour}` }), ` ${text}`);
 
   const shown = (value) => (value === null ? "–" : typeof value === "number" ? (Number.isInteger(value) ? String(value) : view.number(value)) : value);
 
   const list = () => {
     const names = [...new Set([...data.keys, "replicate", $("x").value, $("y").value])];
-    const heading = document.createElement("tr");
-    for (const text of ["run", ...names.map(label)]) {
-      const cell = document.createElement("th");
-      cell.textContent = text;
-      heading.append(cell);
-    }
-    document.querySelector("#runs thead").replaceChildren(heading);
-    document.querySelector("#runs tbody").replaceChildren(...data.runs.slice(0, LISTED).map((id, run) => {
-      const line = document.createElement("tr");
-      line.className = run === chosen ? "chosen" : "";
-      const [head, open] = [document.createElement("th"), document.createElement("button")];
-      open.type = "button";
-      open.textContent = id;
-      open.setAttribute("aria-label", `Show run ${id}`);
-      open.addEventListener("click", () => choose(run));
-      head.append(open);
-      line.append(head, ...names.map((name) => {
-        const cell = document.createElement("td");
-        cell.textContent = shown(columns[name].values[run]);
-        return cell;
-      }));
-      return line;
-    }));
+    const heading = ["run", ...names.map(label)].map((text) => make("th", { text }));
+    document.querySelector("#runs thead").replaceChildren(make("tr", {}, ...heading));
+    const lines = data.runs.slice(0, LISTED).map((id, run) => {
+      const open = make("button", { type: "button", text: id, "aria-label": `Show run ${id}`, onclick: () => choose(run) });
+      const cells = names.map((name) => make("td", { text: shown(columns[name].values[run]) }));
+      return make("tr", { class: run === chosen && "chosen" }, make("th", {}, open), ...cells);
+    });
+    document.querySelector("#runs tbody").replaceChildren(...lines);
     $("listed").textContent = data.runs.length > LISTED ? `The first ${LISTED} of ${view.grouped(data.runs.length)} runs.` : "";
   };
 
-  const small = (place, [xs, ys], [across, up]) => {
-    const box = document.createElement("div");
+  const small = (place, points, [across, up]) => {
+    const box = make("div");
     place.append(box);
-    const made = new uPlot({
-      width: place.clientWidth, height: 150, legend: { show: false }, scales: { x: { time: false } }, cursor: { show: false },
-      axes: [axis(across, 44), axis(up, 70)], series: [{}, { stroke: () => ink("curve"), width: 1.2, points: { show: false } }],
-    }, [xs, ys], box);
-    made.root.querySelector("canvas").setAttribute("role", "img");
-    made.root.querySelector("canvas").setAttribute("aria-label", `${up} at the beginning of the run`);
+    const name = `${up} at the beginning of the run`;
+    view.plot(box, points, { name, height: 150, across: [across, 44], up: [up, 70], series: [line("curve", 1.2)] });
   };
 
-  const term = (name, text) => {
-    const [head, value] = [document.createElement("dt"), document.createElement("dd")];
-    [head.textContent, value.textContent] = [name, text];
-    return [head, value];
-  };
+  const term = (name, text) => [make("dt", { text: name }), make("dd", { text })];
 
   const choose = (run) => {
     chosen = run;
@@ -223,17 +181,14 @@
     if (beginning?.trace) small(place, beginning.trace.points, ["sliding distance (µm)", "area (µm²)"]);
     if (beginning?.slider) small(place, beginning.slider.points, ["time (s)", "x (µm)"]);
     if (!beginning || beginning.refused) {
-      const text = document.createElement("p");
-      text.textContent = beginning ? beginning.refused : "This page does not hold the beginning of this run.";
-      place.append(text);
+      place.append(make("p", { text: beginning ? beginning.refused : "This page does not hold the beginning of this run." }));
     }
     $("figures").replaceChildren(...[...data.keys, "replicate", "seed", ...measured].flatMap((name) => {
       const value = columns[name]?.values[run] ?? null;
       const exact = columns[`${name}_exact`]?.values[run] ?? null;
       return value === null ? [] : term(label(name), shown(value) + (exact === null ? "" : `, exact ${shown(exact)}`));
     }));
-    const code = document.createElement("code");
-    code.textContent = `rubnoise page ${data.name}/runs/${data.runs[run]}.h5`;
+    const code = make("code", { text: `rubnoise page ${data.name}/runs/${data.runs[run]}.h5` });
     $("command").replaceChildren(...(beginning?.refused ? [] : ["The whole run: ", code]));
     keep();
     chart.redraw(false);
@@ -263,11 +218,8 @@
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { draw(); drawSpectra(); });
   if (data.failures.length) {
     $("failures").hidden = false;
-    $("failures").querySelector("ul").replaceChildren(...data.failures.map(({ run, reason }) => {
-      const line = document.createElement("li");
-      line.textContent = `${run}: ${reason}`;
-      return line;
-    }));
+    const lines = data.failures.map(({ run, reason }) => make("li", { text: `${run}: ${reason}` }));
+    $("failures").querySelector("ul").replaceChildren(...lines);
   }
   draw();
   drawSpectra();

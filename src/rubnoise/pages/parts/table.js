@@ -2,6 +2,7 @@
 "use strict";
 (() => {
   const { lives } = view;
+  const { make } = rub;
   const PAGE = 25;
   const $ = (id) => document.getElementById(id);
   const COLUMNS = [
@@ -26,35 +27,25 @@
 
   const PLACES = Math.max(0, Math.ceil(3 - Math.log10(view.data.meanLife)));
   const digits = (name, value) => (name.endsWith("distance") ? value.toFixed(PLACES) : String(Number(value.toPrecision(6))));
-  const line = (row) => {
-    const found = document.createElement("tr");
-    found.className = row === view.chosen ? "chosen" : "";
-    for (const [name] of COLUMNS) {
-      const cell = document.createElement(name === "junction" ? "th" : "td");
-      if (name === "junction") cell.append(view.opener(row));
-      else if (name === "state") cell.textContent = view.stateNames(lives.state[row]).join(", ").replaceAll("_", " ");
-      else cell.textContent = digits(name, lives[name][row]);
-      found.append(cell);
-    }
-    return found;
+  const textOf = (name, row) =>
+    name === "state" ? view.stateNames(lives.state[row]).join(", ").replaceAll("_", " ") : digits(name, lives[name][row]);
+  const line = (row) => make("tr", { class: row === view.chosen && "chosen" }, ...COLUMNS.map(([name]) =>
+    name === "junction" ? make("th", {}, view.opener(row)) : make("td", { text: textOf(name, row) })));
+
+  const sortBy = (name) => {
+    [by, falling, page] = [name, name === by ? !falling : name !== "junction", 0];
+    view.listLives();
+    document.querySelector(`#lives thead [aria-sort]:nth-child(${COLUMNS.findIndex(([one]) => one === by) + 1}) button`).focus();
   };
 
   const head = () => {
-    const names = document.createElement("tr");
-    for (const [name, label] of COLUMNS) {
-      const [cell, sort] = [document.createElement("th"), document.createElement("button")];
-      sort.type = "button";
-      sort.textContent = label + (name === by ? (falling ? " ▾" : " ▴") : "");
-      cell.setAttribute("aria-sort", name === by ? (falling ? "descending" : "ascending") : "none");
-      sort.addEventListener("click", () => {
-        [by, falling, page] = [name, name === by ? !falling : name !== "junction", 0];
-        view.listLives();
-        document.querySelector(`#lives thead [aria-sort]:nth-child(${COLUMNS.findIndex(([one]) => one === by) + 1}) button`).focus();
-      });
-      cell.append(sort);
-      names.append(cell);
-    }
-    document.querySelector("#lives thead").replaceChildren(names);
+    const names = COLUMNS.map(([name, label]) => {
+      const isOwn = name === by;
+      const text = label + (isOwn ? (falling ? " ▾" : " ▴") : "");
+      const sort = make("button", { type: "button", text, onclick: () => sortBy(name) });
+      return make("th", { "aria-sort": isOwn ? (falling ? "descending" : "ascending") : "none" }, sort);
+    });
+    document.querySelector("#lives thead").replaceChildren(make("tr", {}, ...names));
   };
 
   view.listLives = () => {

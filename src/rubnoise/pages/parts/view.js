@@ -2,6 +2,7 @@
 "use strict";
 (() => {
   const { data } = view;
+  const { make } = rub;
   const $ = (id) => document.getElementById(id);
   /* A few lives at first, which can be distinguished. */
   const LIVES = data.flights ? 60 : 8;
@@ -53,11 +54,7 @@
       ]),
       ["alive beside it", view.grouped(life.others.length)],
     ];
-    return lines.flatMap(([name, value]) => {
-      const [term, text] = [document.createElement("dt"), document.createElement("dd")];
-      [term.textContent, text.textContent] = [name, value];
-      return [term, text];
-    });
+    return lines.flatMap(([name, value]) => [make("dt", { text: name }), make("dd", { text: value })]);
   };
 
   let curve = null;
@@ -73,15 +70,10 @@
     if (place.hidden) return;
     const ages = Array.from({ length: 201 }, (_, i) => (life.length * i) / 200);
     const points = [ages.map((age) => life.birth + age), ages.map((age) => view.areaAtAge(row, age))];
-    const axis = (label, size) => ({ label, labelSize: 20, size, font: "12px system-ui", stroke: () => view.ink("ink"), grid: { stroke: () => view.ink("grid") } });
-    curve = new uPlot({
-      width: place.clientWidth, height: 150, legend: { show: false }, scales: { x: { time: false } },
-      axes: [axis("sliding distance (µm)", 36), axis("area (µm²)", 56)],
-      series: [{}, { stroke: () => view.ink("exact"), width: 2, points: { show: false } }],
-      cursor: { show: false },
-    }, points, place);
-    curve.root.querySelector("canvas").setAttribute("role", "img");
-    curve.root.querySelector("canvas").setAttribute("aria-label", `area of junction ${life.junction} over its life`);
+    curve = view.plot(place, points, {
+      name: `area of junction ${life.junction} over its life`, height: 150,
+      across: ["sliding distance (µm)", 36], up: ["area (µm²)", 56], series: [view.line("exact", 2)],
+    });
   };
 
   /** A value with the digits that a pixel of so much can show. */
