@@ -10,123 +10,113 @@
   const NUMBER = "[+-]?[0-9]+(?:\\.[0-9]+)?(?:[eE][+-]?[0-9]{1,3})?(?![0-9.,_])";
   const UNIT = "(?!(?:and|or|not)\\b)[A-Za-z\\u00b5\\u03bc%][A-Za-z0-9\\u00b5\\u03bc%]*(?:(?:\\^|\\*\\*)-?[0-9]+)?(?![A-Za-z0-9_])";
   const WORD = new RegExp(
-    `[ \\t\\r\\n]*(?:(?<number>(?<bare>${NUMBER})(?: *(?<unit>${UNIT}(?: ?[*/] ?${UNIT})*))?)` +
-      "|(?<name>[A-Za-z_][A-Za-z0-9_]*)|(?<comparison><=|>=|==|!=|<(?!>)|>(?!<))|(?<bracket>[()])|(?<end>$))",
+    `[ \\t\\r\\n]*(?:(?<number>${NUMBER})(?: *(?<unit>${UNIT}(?: ?[*/] ?${UNIT})*))?` +
+      "|(?<name>[A-Za-z_][A-Za-z0-9_]*)|<=|>=|==|!=|<(?!>)|>(?!<)|[()])",
     "iy",
   );
   const COMPARISONS = {
     "<": (a, b) => a < b, "<=": (a, b) => a <= b, ">": (a, b) => a > b,
     ">=": (a, b) => a >= b, "==": (a, b) => a === b, "!=": (a, b) => a !== b,
   };
+  const JOINS = [["or", "some"], ["and", "every"]];
+  const RESERVED = ["and", "or", "not"];
   const LONGEST = 1000;
   const DEEPEST = 200;
 
   class ConditionRefused extends Error {}
   view.ConditionRefused = ConditionRefused;
 
-  function* words(text) {
-    if (text.length > LONGEST) throw new ConditionRefused(`a condition of more than ${LONGEST} characters`);
-    for (let place = 0; ;) {
+  const refuse = (why) => {
+    throw new ConditionRefused(why);
+  };
+
+  const wordsOf = (text) => {
+    if (text.length > LONGEST) refuse(`a condition of more than ${LONGEST} characters`);
+    const found = [];
+    for (let place = 0; place < text.length; place = WORD.lastIndex) {
       WORD.lastIndex = place;
-      const found = WORD.exec(text);
-      if (found === null) {
-        const rest = text.slice(place).trimStart();
-        throw new ConditionRefused(`"${rest.slice(0, 12)}" is no part of a condition`);
-      }
-      const { number, bare, unit, name, comparison, bracket } = found.groups;
-      if (number !== undefined) yield { sort: "number", text: number, bare, unit };
-      else if (name !== undefined) yield { sort: ["and", "or", "not"].includes(name) ? name : "name", text: name };
-      else if (comparison !== undefined) yield { sort: "comparison", text: comparison };
-      else if (bracket !== undefined) yield { sort: bracket, text: bracket };
-      else {
-        yield { sort: "end", text: "the end" };
-        return;
-      }
-      place = WORD.lastIndex;
+      const word = WORD.exec(text);
+      if (word === null) refuse(`"${text.slice(place).trimStart().slice(0, 12)}" is no part of a condition`);
+      found.push({ text: word[0].trim(), ...word.groups });
     }
-  }
+    return [...found, { text: "the end" }];
+  };
 
   class Reader {
     constructor(text, rows, states) {
-      Object.assign(this, { words: words(text), rows, states: { complete: 0, ...states }, depth: 0 });
-      this.next = this.words.next().value;
+      Object.assign(this, { words: wordsOf(text.trim()), place: 0, depth: 0, rows, states: { complete: 0, ...states } });
+    }
+
+    get next() {
+      return this.words[this.place];
+    }
+
+    get isOver() {
+      return this.place === this.words.length - 1;
+    }
+
+    /** Take the next word if it is one of these; null if not. */
+    take(...texts) {
+      const { text } = this.next;
+      if (this.isOver || !texts.includes(text)) return null;
+      this.place += 1;
+      return text;
     }
 
     whole() {
-      if (this.next.sort === "end") throw new ConditionRefused("no condition; for instance: diameter > 6 um");
-      const chosen = this.condition();
-      if (this.next.sort === ")") throw new ConditionRefused("no parenthesis is open here");
-      if (this.next.sort !== "end") throw this.misplaced();
-      return chosen;
+      if (this.isOver) refuse("no condition; for instance: diameter > 6 um");
+      const chosen = this.joined(0);
+      if (this.next.text === ")") refuse("no parenthesis is open here");
+      return this.isOver ? chosen : this.misplaced();
     }
 
-    condition() {
-      const parts = [this.conjunction()];
-      while (this.next.sort === "or") {
-        this.take();
-        parts.push(this.conjunction());
-      }
-      return parts.length === 1 ? parts[0] : (i) => parts.some((part) => part(i));
-    }
-
-    conjunction() {
-      const parts = [this.negation()];
-      while (this.next.sort === "and") {
-        this.take();
-        parts.push(this.negation());
-      }
-      return parts.length === 1 ? parts[0] : (i) => parts.every((part) => part(i));
+    joined(level) {
+      if (level === JOINS.length) return this.negation();
+      const [word, method] = JOINS[level];
+      const parts = [this.joined(level + 1)];
+      while (this.take(word)) parts.push(this.joined(level + 1));
+      return parts.length === 1 ? parts[0] : (i) => parts[method]((part) => part(i));
     }
 
     negation() {
-      if (this.next.sort !== "not" && this.next.sort !== "(") return this.comparison();
-      const opening = this.take();
+      const opening = this.take("not", "(");
+      if (!opening) return this.comparison();
       this.depth += 1;
-      if (this.depth > DEEPEST) throw new ConditionRefused(`more than ${DEEPEST} levels of parentheses and not`);
-      let chosen;
-      if (opening.sort === "not") {
-        const part = this.negation();
-        chosen = (i) => !part(i);
-      } else {
-        chosen = this.condition();
-        if (this.next.sort === "end") throw new ConditionRefused("a parenthesis is not closed");
-        if (this.next.sort !== ")") throw this.misplaced();
-        this.take();
-      }
+      if (this.depth > DEEPEST) refuse(`more than ${DEEPEST} levels of parentheses and not`);
+      const part = opening === "not" ? this.negation() : this.joined(0);
       this.depth -= 1;
-      return chosen;
+      if (opening === "not") return (i) => !part(i);
+      if (this.isOver) refuse("a parenthesis is not closed");
+      return this.take(")") ? part : this.misplaced();
     }
 
     comparison() {
-      let left = this.side();
-      if (this.next.sort !== "comparison") return this.alone(left);
+      const operators = Object.keys(COMPARISONS);
       const parts = [];
-      while (this.next.sort === "comparison") {
-        const operator = this.take().text;
+      let left = this.side();
+      for (let operator = this.take(...operators); operator; operator = this.take(...operators)) {
         const right = this.side();
         parts.push(this.compared(left, operator, right));
         left = right;
       }
-      return parts.length === 1 ? parts[0] : (i) => parts.every((part) => part(i));
+      return parts.length ? (i) => parts.every((part) => part(i)) : this.alone(left);
     }
 
     side() {
-      const word = this.take();
-      if (word.sort === "number") return word;
-      if (word.sort !== "name") throw new ConditionRefused(`"${word.text}" stands where a column or a number is needed`);
-      if (!(word.text in this.rows.units) && !(word.text in this.states)) {
-        const known = [...Object.keys(this.rows.units), ...Object.keys(this.states)].join(", ");
-        throw new ConditionRefused(`no column ${word.text}; one of ${known}`);
+      const word = this.next;
+      const { text, number, name } = word;
+      if (!number && (!name || RESERVED.includes(name))) refuse(`"${text}" stands where a column or a number is needed`);
+      if (name && !(name in this.rows.units) && !(name in this.states)) {
+        refuse(`no column ${name}; one of ${[...Object.keys(this.rows.units), ...Object.keys(this.states)].join(", ")}`);
       }
+      this.place += 1;
       return word;
     }
 
-    alone(word) {
-      if (word.sort === "number") throw new ConditionRefused("a number by itself; for instance: diameter > 6 um");
-      if (!(word.text in this.states)) {
-        throw new ConditionRefused(`${word.text} is compared with nothing; for instance: ${word.text} > 0`);
-      }
-      return this.inState(this.states[word.text]);
+    alone({ number, name }) {
+      if (number) refuse("a number by itself; for instance: diameter > 6 um");
+      if (!(name in this.states)) refuse(`${name} is compared with nothing; for instance: ${name} > 0`);
+      return this.inState(this.states[name]);
     }
 
     inState(bit) {
@@ -135,57 +125,45 @@
     }
 
     compared(left, operator, right) {
-      if ([left, right].some((side) => side.sort === "name" && side.text in this.states)) return this.state(left, operator, right);
-      const names = [left, right].filter((side) => side.sort === "name").map((side) => side.text);
-      if (names.length === 0) throw new ConditionRefused("neither side is a column");
-      const [units, others] = [this.rows.units[names[0]], this.rows.units[names[names.length - 1]]];
-      if (units !== others) throw new ConditionRefused(`${names[0]} is in ${units}, ${names[1]} in ${others}`);
+      const names = [left, right].map((side) => side.name).filter(Boolean);
+      const state = names.find((name) => name in this.states);
+      if (state) return this.state(state, names, operator);
+      if (!names.length) refuse("neither side is a column");
+      const [units, others] = [this.rows.units[names[0]], this.rows.units[names.at(-1)]];
+      if (units !== others) refuse(`${names[0]} is in ${units}, ${names[1]} in ${others}`);
       const compare = COMPARISONS[operator];
-      const value = (side) => {
-        if (side.sort === "name") {
-          const column = this.rows[side.text];
-          return (i) => column[i];
-        }
+      const [a, b] = [left, right].map((side) => {
+        if (side.name) return (i) => this.rows[side.name][i];
         const number = this.quantity(side, names[0], units);
         return () => number;
-      };
-      const [a, b] = [value(left), value(right)];
+      });
       return (i) => compare(a(i), b(i));
     }
 
-    state(left, operator, right) {
-      const [word, other] = left.sort === "name" && left.text in this.states ? [left, right] : [right, left];
-      if (other.text !== "state") throw new ConditionRefused(`${word.text} is a state; write ${word.text}, or not ${word.text}`);
-      if (operator !== "==" && operator !== "!=") throw new ConditionRefused(`states have no order; write state == ${word.text}`);
-      const chosen = this.inState(this.states[word.text]);
+    state(state, names, operator) {
+      if (!names.includes("state")) refuse(`${state} is a state; write ${state}, or not ${state}`);
+      if (operator !== "==" && operator !== "!=") refuse(`states have no order; write state == ${state}`);
+      const chosen = this.inState(this.states[state]);
       return operator === "==" ? chosen : (i) => !chosen(i);
     }
 
     /** A number with a unit is shifted by a power of ten in its text, so that it is rounded once. */
-    quantity({ text, bare, unit }, name, units) {
-      let number = bare;
+    quantity({ text, number, unit }, name, units) {
+      let shifted = number;
       if (unit !== undefined) {
-        const powers = view.data.units[units];
-        if (powers === undefined) throw new ConditionRefused(`${name} has no unit; write ${bare}`);
+        const powers = view.data.units[units] ?? refuse(`${name} has no unit; write ${number}`);
         if (!Object.hasOwn(powers, unit)) {
-          throw new ConditionRefused(`"${unit}" is not among the units of ${name} here: ${Object.keys(powers).join(", ")}`);
+          refuse(`"${unit}" is not among the units of ${name} here: ${Object.keys(powers).join(", ")}`);
         }
-        const [digits, power = "0"] = bare.toLowerCase().split("e");
-        number = `${digits}e${Number(power) + powers[unit]}`;
+        const [digits, power = "0"] = number.toLowerCase().split("e");
+        shifted = `${digits}e${Number(power) + powers[unit]}`;
       }
-      const value = Number(number);
-      if (!Number.isFinite(value)) throw new ConditionRefused(`${text} is too large a number`);
-      return value;
-    }
-
-    take() {
-      const word = this.next;
-      if (word.sort !== "end") this.next = this.words.next().value;
-      return word;
+      const value = Number(shifted);
+      return Number.isFinite(value) ? value : refuse(`${text} is too large a number`);
     }
 
     misplaced() {
-      return new ConditionRefused(`"${this.next.text}" does not belong here; conditions are joined by and, or`);
+      return refuse(`"${this.next.text}" does not belong here; conditions are joined by and, or`);
     }
   }
 
