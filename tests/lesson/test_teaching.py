@@ -114,7 +114,12 @@ def hop():
     return [width, low, low / 2, 80 / low, 40 / low, 80 / low, 160 / low]
 
 
-EXPECTED = [one_life, births, count, alive, area_sum, memory, slider, bet, sizes, rise, hop]
+def back():
+    result = exact("paper/fig5")
+    return [result.slider.displacement_std, result.force.std / result.model.slider.stiffness]
+
+
+EXPECTED = [one_life, births, count, alive, area_sum, memory, slider, bet, sizes, rise, hop, back]
 
 
 def is_shown_as(value, text):

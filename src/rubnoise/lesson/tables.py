@@ -68,4 +68,4 @@ def _pieces(curve: Function, edges: Sequence[float], degree: int) -> list[list[f
 
 
 def _short(values: Any) -> list[float]:
-    return [float(f"{value:.12g}") for value in np.asarray(values, dtype=np.float64).tolist()]
+    return [float(f"{value:.10g}") for value in np.asarray(values, dtype=np.float64).tolist()]

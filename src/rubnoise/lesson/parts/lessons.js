@@ -21,15 +21,10 @@
   const withUnit = (value, unit) => (unit ? `${say(value)} ${unitName(unit)}` : say(value));
   /** Return a reading as it is said: three digits. */
   const say3 = (value) => say(Number(value.toPrecision(3)));
-  const words = {
-    say,
-    say3,
-    unitName,
-    withUnit,
-    um: (value) => withUnit(value, 'um'),
-    um2: (value) => withUnit(value, 'um^2'),
-    share: (value) => `${say(100 * value)} %`,
-  };
+  const um = (value) => withUnit(value, 'um');
+  const um2 = (value) => withUnit(value, 'um^2');
+  const share = (value) => `${say(100 * value)} %`;
+  const words = { say, say3, unitName, withUnit, um, um2, share };
 
   /**
    * Return settings of a contact for an experiment: 200 um^2 in 20 equal junctions but for what is given. The diameter
@@ -50,6 +45,10 @@
     ...values,
   });
 
+  /* The slider of the paper's Fig. 5, in um/s, MPa, kg, N/m and N s/m, and its contact with it. */
+  const SLIDER = { speed: 1000, strength: 250, mass: 0.005, stiffness: 300, damping: 0.05 };
+  const fig5 = { ...contact({ spread: 0.2, calibration: 'paper' }), ...SLIDER };
+
   /** Return std/mean times sqrt(N) of equal lenses born at random: sqrt(2 c_2)/c_1. */
   function swing() {
     const [first, second] = rub.model.pulses.lens.lifeIntegrals;
@@ -67,9 +66,8 @@
 
   /** Return what is known of a lesson that has not begun: no prediction, no stake, no check answered. */
   function fresh() {
-    const further = { step: STEPS.asked, said: '' };
     const runs = { running: -1, pressed: [], watched: {}, kept: {}, read: {} };
-    return { step: STEPS.asked, said: '', stake: 0, look: '', ...runs, right: {}, further };
+    return { step: STEPS.asked, said: '', stake: 0, look: '', ...runs, right: {} };
   }
 
   /** Return whether the lesson may say what is right: the student has said what is seen, or the teacher has skipped. */
@@ -80,59 +78,39 @@
   /** Return the option of a prediction that was chosen, or undefined where none was or the teacher skipped it. */
   const chosen = ({ prediction }, { said }) => prediction.options.find((option) => option.id === said);
 
-  /**
-   * Return progress as text: for each lesson its step, its prediction as a letter (z: skipped) and its stake; then, of
-   * a lesson that goes further, that prediction as a capital letter, and r where its experiment has been run; then,
-   * after a hyphen, what was seen.
-   */
-  function written() {
-    return state.lessons
-      .map((each, i) => `${stepOf(each, list[i])}${furtherOf(each, list[i])}${lookOf(each, list[i])}`)
-      .join('.');
-  }
-
-  function lookOf({ look }, lesson) {
-    return look ? `-${letterOf(lesson, { said: look })}` : '';
-  }
-
-  const stepOf = (known, lesson) => `${known.step}${letterOf(lesson, known)}${known.stake || ''}`;
-
-  function furtherOf({ further: known }, { further }) {
-    if (!further) return '';
-    return `${letterOf(further, known).toUpperCase()}${known.step >= STEPS.run ? 'r' : ''}`;
-  }
-
-  function letterOf({ prediction }, { said }) {
+  /** Return an option of a lesson's prediction as a letter; z where the teacher skipped it. */
+  function letterOf({ prediction }, said) {
     if (said === 'skipped') return 'z';
     const place = prediction.options.findIndex((option) => option.id === said);
     return place < 0 ? '' : String.fromCharCode(97 + place);
   }
 
-  /** Return the prediction that a letter stands for. */
+  /** Return the option that a letter stands for. */
   function saidBy({ prediction }, letter) {
     return letter === 'z' ? 'skipped' : (prediction.options[letter ? letter.charCodeAt(0) - 97 : -1]?.id ?? '');
   }
 
-  /** Take progress from text; what does not fit is left as it was. */
-  function take(text) {
-    text
-      .split('.')
-      .slice(0, list.length)
-      .forEach((part, i) => {
-        const found = /^([0-3])([a-z]?)(\d{0,2})([A-Z]?)(r?)(?:-([a-y]))?$/.exec(part);
-        if (!found) return;
-        const [, step, letter, stake, capital, ran, seen] = found;
-        const said = saidBy(list[i], letter);
-        /* A second half that was begun came after the first had said what is right. */
-        const look = said ? saidBy(list[i], seen ?? (capital && letter)) : '';
-        const known = { step: said ? Number(step) : 0, said, look, stake: Math.min(10, Number(stake)) };
-        state.lessons[i] = { ...fresh(), ...known };
-        if (list[i].further) takeFurther(state.lessons[i].further, saidBy(list[i].further, capital.toLowerCase()), ran);
-      });
+  /** Return progress as text: for each lesson its step, its prediction as a letter, its stake, and what was seen. */
+  function written() {
+    const parts = state.lessons.map(({ step, said, stake, look }, i) => {
+      const seen = look ? `-${letterOf(list[i], look)}` : '';
+      return `${step}${letterOf(list[i], said)}${stake || ''}${seen}`;
+    });
+    return parts.join('.');
   }
 
-  function takeFurther(known, said, ran) {
-    Object.assign(known, { said, step: said ? (ran ? STEPS.run : STEPS.predicted) : STEPS.asked });
+  /** Take progress from text; what does not fit is left as it was. */
+  function take(text) {
+    const parts = text.split('.').slice(0, list.length);
+    parts.forEach((part, i) => {
+      const found = /^([0-3])([a-z]?)(\d{0,2})(?:-([a-y]))?$/.exec(part);
+      if (!found) return;
+      const [, step, letter, stake, seen] = found;
+      const said = saidBy(list[i], letter);
+      const look = said ? saidBy(list[i], seen) : '';
+      const known = { step: said ? Number(step) : 0, said, look, stake: Math.min(10, Number(stake)) };
+      state.lessons[i] = { ...fresh(), ...known };
+    });
   }
 
   /** Read the open lesson and the progress from the page's address; return whether it names a lesson. */
@@ -145,7 +123,7 @@
 
   /* A scenario whose slider pushes back is about the lesson that has this. */
   function first() {
-    return rub.given.coupling === 'two-way' ? list.findIndex((lesson) => lesson.further) : 0;
+    return rub.given.coupling === 'two-way' ? list.findIndex((lesson) => lesson.id === 'back') : 0;
   }
 
   /** Write the open lesson and the progress to the page's address, beside the settings. No storage is used. */
@@ -169,21 +147,9 @@
 
   const NAMES = { births: 'births', pulse: 'life', offset: 'passes', spread: 'spread', meanCount: 'mean count' };
 
-  rub.lessons = {
-    STEPS,
-    contact,
-    swing,
-    list,
-    state,
-    words,
-    add,
-    fresh,
-    revealed,
-    beside,
-    chosen,
-    written,
-    recall,
-    remember,
-    misfit,
-  };
+  /** Return a text of a lesson, or a number, that may depend on what is exact and on the settings. */
+  const given = (value, exact, world) => (typeof value === 'function' ? value(exact, world) : value);
+
+  rub.lessons = { STEPS, SLIDER, fig5, list, state, words };
+  Object.assign(rub.lessons, { contact, swing, add, fresh, revealed, beside, chosen, written, recall, remember, misfit, given });
 })();

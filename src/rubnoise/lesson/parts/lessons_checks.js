@@ -12,14 +12,14 @@
 
   /** Return the hint of the first known wrong answer that a value is near to, else the general one. */
   function hintFor(check, value, exact, world) {
-    const known = (check.hints ?? []).find(([mistake]) => near(value, mistake(exact, world), check.tolerance));
+    const known = (check.hints ?? []).find(([mistake]) => near(value, lessons.given(mistake, exact, world), check.tolerance));
     return known ? known[1] : check.hint;
   }
 
   function judgeNumber(check, text, exact, world) {
     const read = answers.read(text, check.unit ?? '');
     if (read.problem) return wrong(read.problem);
-    const wanted = [check.expected(exact, world)].flat();
+    const wanted = [lessons.given(check.expected, exact, world)].flat();
     if (wanted.some((each) => near(read.value, each, check.tolerance))) {
       return right(`Right: ${lessons.words.withUnit(wanted[0], check.unit)}.`);
     }
@@ -31,8 +31,8 @@
     return !check.unit && wanted.some((each) => each < 1 && near(value, 100 * each, check.tolerance));
   }
 
-  function judgeChoice(check, id) {
-    const option = check.options.find((each) => each.id === id);
+  function judgeChoice(check, chosen) {
+    const option = check.options[chosen];
     if (!option) return wrong('Choose an answer first.');
     return option.right ? right() : wrong(`Not yet. ${option.hint}`);
   }
@@ -41,7 +41,7 @@
    * Judge an answer.
    * @param {object} lesson the lesson
    * @param {object} check one of its checks: with options, with `met` for a task, else a number
-   * @param {string} answer what was typed, or the id of what was chosen
+   * @param {string} answer what was typed, or the number of what was chosen
    * @returns {{right: boolean, message: string}} the verdict and what to say (HTML)
    */
   function judge(lesson, check, answer) {

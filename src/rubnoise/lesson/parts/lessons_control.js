@@ -21,7 +21,7 @@
 
   function draw() {
     unveil();
-    root.replaceChildren(page.make('h2', { id: 'lessons-title', text: 'Lessons' }), page.contents(), page.article());
+    root.replaceChildren(rub.make('h2', { id: 'lessons-title', text: 'Lessons' }), page.contents(), page.article());
     rub.born.begin(find('#born'));
     rub.knobs.fold(list[state.open].controls);
     announce();
@@ -38,19 +38,15 @@
   function announce() {
     const lesson = list[state.open];
     const exact = rub.exact();
-    fill('#lesson-law-text', () => lesson.law(exact, rub.world));
-    if (lesson.further) fill('#further-law-text', () => lesson.further.law(exact, rub.world));
-    checksOf(lesson).forEach((check) => {
-      ask(check, check.prompt(exact, rub.world));
-      check.options?.forEach((each) =>
-        fill(`label[for="check-${check.id}-${each.id}"]`, () => each.text(exact, rub.world)),
-      );
-    });
+    const told = (value) => lessons.given(value, exact, rub.world);
+    fill('#lesson-law-text', () => told(lesson.law));
+    for (const check of lesson.checks) {
+      ask(check, told(check.prompt));
+      check.options?.forEach(({ text }, i) => fill(`label[for="check-${check.id}-${i}"]`, () => told(text)));
+    }
     tellSeen(exact);
     rub.drag.write(root);
   }
-
-  const checksOf = (lesson) => [...lesson.checks, ...(lesson.further?.checks ?? [])];
 
   /** Write what a check asks; an answer to other numbers is no answer any more. */
   function ask(check, text) {
@@ -69,16 +65,11 @@
     if (element) element.innerHTML = html();
   }
 
+  /** Keep what the run shows, and write all that was kept; a control that was turned gets a column of its own. */
   function tellSeen(exact = rub.exact()) {
     const lesson = list[state.open];
-    const seen = current().step >= STEPS.run ? lessons.seen(exact) : null;
-    if (!lesson.experiment.reading) tellKept(lesson, seen, exact);
-    if (lesson.further) lessons.tellFurther(root, lesson.further, seen, exact);
-  }
-
-  /** Keep what the run shows, and write all that was kept; a control that was turned gets a column of its own. */
-  function tellKept(lesson, seen, exact) {
-    if (seen) lessons.kept.keep(lesson, current(), seen, exact);
+    if (lesson.experiment.reading) return;
+    if (current().step >= STEPS.run) lessons.kept.keep(lesson, current(), lessons.seen(exact), exact);
     const shown = find('.lesson-table');
     if (shown && Number(shown.dataset.columns) !== lessons.kept.columns(lesson, current()).length)
       shown.replaceWith(lessons.kept.table(lesson, current()));
@@ -156,7 +147,7 @@
   function watchOn() {
     const lesson = list[state.open];
     if (lessons.watch(lesson, current()) && !lessons.revealed(current())) {
-      find('.lesson-look')?.replaceWith(lessons.look(lesson, state.open));
+      find('.lesson-look')?.replaceWith(page.look(lesson, current()));
     }
   }
 
@@ -197,7 +188,7 @@
 
   function check(form) {
     const lesson = list[state.open];
-    const asked = checksOf(lesson).find((each) => each.id === form.dataset.check);
+    const asked = lesson.checks.find((each) => each.id === form.dataset.check);
     const field = form.querySelector('input[type="text"], input:checked');
     const verdict = lessons.judge(lesson, asked, field ? field.value : '');
     const line = form.querySelector('.lesson-verdict');
@@ -213,50 +204,29 @@
     unveil();
     lessons.remember();
     find('nav').replaceWith(page.contents());
-    find('.lesson-table').replaceWith(page.seenTable(list[state.open], state.open).firstChild);
+    find('.lesson-table').replaceWith(page.seenTable(list[state.open], current()));
     tellSeen();
     const last = list.every((_, i) => state.lessons[i].step === STEPS.passed);
     fill('#lesson-end', () => (last ? 'All lessons done.' : 'Lesson done.'));
   }
 
+  const ACTS = { skip, ahead, measure, restart };
+  const FORMS = { 'lesson-predict': predict, 'lesson-observe': observe, 'reading-form': note };
+
   function clicked(event) {
     const button = event.target.closest('button');
     if (!button) return;
-    const { open: index, run: chosen, act, further, sound } = button.dataset;
+    const { open: index, run: chosen, act, sound } = button.dataset;
     if (index !== undefined) open(Number(index));
     else if (chosen !== undefined) run(Number(chosen));
     else if (sound !== undefined) listen(Number(sound));
-    else if (act === 'skip') skip();
-    else if (act === 'ahead') ahead();
-    else if (act === 'measure') measure();
-    else if (act === 'restart') restart();
-    else if (further) goFurther(further);
+    else ACTS[act]?.();
   }
 
   function submitted(event) {
     event.preventDefault();
-    if (event.target.id === 'lesson-predict') predict();
-    else if (event.target.id === 'lesson-observe') observe();
-    else if (event.target.id === 'reading-form') note();
-    else if (event.target.id === 'further-predict') goFurther('predict');
-    else check(event.target);
-  }
-
-  /** Take a step of the second half of a lesson that goes further. */
-  function goFurther(act) {
-    const problem = lessons.takeFurther[act](list[state.open].further, current().further, root);
-    if (problem) fill('#further-predict .lesson-verdict', () => problem);
-    else show(act === 'run' ? '[data-further="run"]' : '#further-switch input:checked');
-  }
-
-  /* The switch of the lesson is the knob once more. */
-  function switched(event) {
-    if (event.target.name !== 'coupling') return;
-    if (!rub.set({ coupling: event.target.value }, { restart: false })) return announce();
-    if (event.target.value === 'two-way' && current().further.step < STEPS.run) {
-      current().further.step = STEPS.run;
-      show('#further-switch input:checked');
-    }
+    const act = FORMS[event.target.id] ?? check;
+    act(event.target);
   }
 
   function ticked() {
@@ -285,7 +255,6 @@
     const recalled = lessons.recall();
     root.addEventListener('click', clicked);
     root.addEventListener('submit', submitted);
-    root.addEventListener('change', switched);
     rub.on('tick', ticked);
     rub.on('settings', announce);
     addEventListener('hashchange', follow);

@@ -1,10 +1,13 @@
 'use strict';
-/* What each run of a lesson has shown stays: a column for each run, and what these columns say about the question. */
+/* What each run of a lesson has shown stays: a column for each run, what these say about the question, and when to ask. */
 (() => {
   const rub = globalThis.rub;
   const { lessons } = rub;
-  const { state, words, page, STEPS } = lessons;
-  const { make, grid } = page;
+  const { state, words, STEPS } = lessons;
+  const { make } = rub;
+  const SECONDS = 10; // of an experiment at its pace, before it asks what is seen
+  const FEWEST = 2; // lives
+  const ROUNDING = 1e-9;
   const OTHER = 'other'; // the column of controls that fit no run
   const laws = new Map();
 
@@ -15,24 +18,44 @@
     return fits ? known.running : OTHER;
   }
 
+  /** Return the lives that each run of a lesson goes on before it asks what is seen. */
+  lessons.lives = ({ experiment: { lives, pace } }) => lives ?? Math.max(FEWEST, Math.ceil(SECONDS * pace));
+
+  /** Return the lives of one step ahead: enough for the second digit of most figures, and for the question. */
+  lessons.ahead = ({ experiment }) => Math.max(200, experiment.lives ?? 0);
+
+  /** Return whether enough has been seen to say something: of all runs, of all traces. */
+  lessons.enough = (lesson, known) => {
+    if (lesson.experiment.reading) return lessons.reading.isDone(lesson, known);
+    const runs = Object.values(known.watched).filter((lives) => lives >= (1 - ROUNDING) * lessons.lives(lesson));
+    return runs.length === lesson.experiment.runs.length;
+  };
+
+  /** Note how far the run that was pressed last has come; return whether that has just become enough. */
+  lessons.watch = (lesson, known) => {
+    if (known.running < 0 || running(lesson, known) !== known.running) return false;
+    const before = lessons.enough(lesson, known);
+    const lives = rub.run.reached / rub.exact().lifeMean;
+    known.watched[known.running] = Math.max(known.watched[known.running] ?? 0, lives);
+    return !before && lessons.enough(lesson, known);
+  };
+
+  /** Return a figure of a row: one that is seen and the exact one have one formula, but where the row has two. */
+  const seenOf = (row, seen, exact, world) => (row.seen ?? row.value)(seen, exact, world);
+  const exactOf = (row, exact, world) => (row.exact ? row.exact(exact, world) : row.value(exact, exact, world));
+
   /** Keep what the run on the stage shows. */
   function keep(lesson, known, seen, exact) {
     if (known.step < STEPS.run) return;
-    const figures = lesson.experiment.table.map((row) => row.seen(seen, exact, rub.world));
-    known.kept[running(lesson, known)] = figures;
+    known.kept[running(lesson, known)] = lesson.experiment.table.map((row) => seenOf(row, seen, exact, rub.world));
   }
 
   /** Return the law's figures for a run, or for the settings as they are. */
   function lawOf({ experiment: { runs, table } }, column) {
     const world = { ...rub.world, ...runs[column]?.set };
     const key = JSON.stringify([state.open, world]);
-    if (!laws.has(key)) {
-      const exact = rub.theory.exact(world);
-      laws.set(
-        key,
-        table.map((row) => row.exact(exact, world)),
-      );
-    }
+    const exact = laws.has(key) ? null : rub.theory.exact(world);
+    if (exact) laws.set(key, Array.from(table, (row) => exactOf(row, exact, world)));
     return laws.get(key);
   }
 
@@ -59,7 +82,7 @@
       if (isSingle || !open) return [make('tr', {}, name, ...seen, ...law)];
       return [make('tr', {}, name, ...seen), make('tr', { class: 'law' }, heading('the law'), ...law)];
     });
-    return grid(['quantity', ...labels], body, { class: 'lesson-table', 'data-columns': shown.length });
+    return lessons.page.grid(['quantity', ...labels], body, { class: 'lesson-table', 'data-columns': shown.length });
   }
 
   /** Write the figures into the table on show. */
@@ -109,5 +132,5 @@
     return says.right ? said : `${said} This run was short; over many lives it comes to the law.`;
   }
 
-  lessons.kept = { running, keep, table, write, spoken, answer, nearest, columns };
+  lessons.kept = { keep, table, write, spoken, answer, nearest, columns };
 })();

@@ -3,8 +3,8 @@
 (() => {
   const rub = globalThis.rub;
   const { lessons, reading } = rub;
-  const { words, page, STEPS } = lessons;
-  const { make, grid } = page;
+  const { words, STEPS } = lessons;
+  const { make } = rub;
   const { LEVELS } = reading;
   const STEP = 0.4; // um of both sliders: a tick
 
@@ -133,7 +133,7 @@
     });
     const named = ({ label, law }) => (lessons.revealed(known) ? `${label}: ${law}` : label);
     const head = ['diameter, µm', ...lesson.experiment.runs.map(named)];
-    return grid(head, rows);
+    return lessons.page.grid(head, rows);
   }
 
   rub.on('reading', follow);

@@ -3,8 +3,8 @@
 (() => {
   const rub = globalThis.rub;
   const { lessons } = rub;
-  const { list, state, words } = lessons;
-  const { make, grid } = lessons.page;
+  const { list, state, words, given } = lessons;
+  const { make } = rub;
 
   const blank = (label) => make('p', { class: 'sheet-blank', text: label });
   const boxes = (options, textOf) =>
@@ -24,15 +24,11 @@
 
   /** Return question, prediction and table of a lesson, to fill in while it is played. */
   function before(lesson) {
-    const { prediction, further } = lesson;
+    const { prediction } = lesson;
     const parts = [make('p', { html: lesson.question })];
     parts.push(boxes(prediction.options, (each) => each.text));
     if (prediction.stake) parts.push(blank('Chips on it (1 to 10)'));
     parts.push(blank('Because'), table(lesson.experiment), blank('What I saw'), blank('The law'));
-    if (further) {
-      parts.push(make('p', { html: further.question }));
-      parts.push(boxes(further.prediction.options, (each) => each.text));
-    }
     return make('section', { class: 'sheet-lesson' }, ...parts);
   }
 
@@ -44,7 +40,7 @@
       const name = make('th', { scope: 'row', html: row.label + unit });
       return make('tr', {}, name, ...columns.map(() => make('td')));
     });
-    return grid(['quantity', ...columns], body, {});
+    return lessons.page.grid(['quantity', ...columns], body, {});
   }
 
   /** Return the questions of a lesson about what was seen, for the settings of its first run. */
@@ -52,8 +48,8 @@
     const world = { ...rub.world, ...lesson.experiment.runs[0].set };
     const exact = rub.theory.exact(world);
     return lesson.checks.flatMap((check) => [
-      make('p', { html: check.prompt(exact, world) }),
-      check.options ? boxes(check.options, (each) => each.text(exact, world)) : blank('Answer'),
+      make('p', { html: given(check.prompt, exact, world) }),
+      check.options ? boxes(check.options, (each) => given(each.text, exact, world)) : blank('Answer'),
     ]);
   }
 

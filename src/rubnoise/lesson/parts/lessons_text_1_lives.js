@@ -55,12 +55,8 @@
         `Is the trace above the line of the mean for as long as it is below?`,
       ],
       table: [
-        { label: 'mean area', unit: 'um^2', seen: (s) => s.areaMean, exact: (f) => f.areaMean },
-        {
-          label: 'mean area over <var>d</var>²',
-          seen: (s, f) => s.areaMean / f.diameter ** 2,
-          exact: (f) => f.areaMean / f.diameter ** 2,
-        },
+        { label: 'mean area', unit: 'um^2', value: (v) => v.areaMean },
+        { label: 'mean area over <var>d</var>²', value: (v, f) => v.areaMean / f.diameter ** 2 },
       ],
     },
     law: (f) => `
@@ -77,7 +73,7 @@
     checks: [
       {
         id: 'fraction',
-        prompt: () => `The mean area of a junction over its life is which multiple of <var>d</var>²?`,
+        prompt: `The mean area of a junction over its life is which multiple of <var>d</var>²?`,
         expected: () => 1 / 3,
         tolerance: 0.015,
         hints: [
@@ -148,7 +144,7 @@
           noisy is chance.`,
       ],
       table: [
-        { label: 'mean gap', unit: 'um', seen: (s) => s.gapMean, exact: (f) => f.spacing },
+        { label: 'mean gap', unit: 'um', value: (v) => v.spacing },
         {
           label: 'share of gaps shorter than half of the mean',
           seen: (s) => s.gapsBelowHalf,
@@ -178,7 +174,7 @@
     checks: [
       {
         id: 'longer',
-        prompt: () => `Births at random: which share of the gaps is longer than the mean gap?`,
+        prompt: `Births at random: which share of the gaps is longer than the mean gap?`,
         expected: () => Math.exp(-1),
         tolerance: 0.03,
         hints: [
@@ -240,9 +236,9 @@
         `Unequal sizes change the length of lives, but the mean and the swing of the count stay nearly the same.`,
       ],
       table: [
-        { label: 'mean count', seen: (s) => s.countMean, exact: (f) => f.countMean },
-        { label: 'standard deviation of the count', seen: (s) => s.countStd, exact: (f) => f.countStd },
-        { label: 'mean life over mean gap', seen: (s) => s.lifeMean / s.gapMean, exact: (f) => f.lifeMean / f.spacing },
+        { label: 'mean count', value: (v) => v.countMean },
+        { label: 'standard deviation of the count', value: (v) => v.countStd },
+        { label: 'mean life over mean gap', value: (v) => v.lifeMean / v.spacing },
       ],
     },
     law: (f) => `
@@ -276,7 +272,7 @@
       },
       {
         id: 'tenth',
-        prompt: () => `Which mean count makes the standard deviation of the count a tenth of the mean?`,
+        prompt: `Which mean count makes the standard deviation of the count a tenth of the mean?`,
         expected: () => 100,
         tolerance: 0.02,
         hints: [[() => 10, `With 10 it is √10 = ${say(Math.sqrt(10))}, nearly a third of the mean.`]],

@@ -43,13 +43,8 @@
           finds.`,
       ],
       table: [
-        { label: 'mean diameter of those born', unit: 'um', seen: (s) => s.bornMean, exact: (f) => f.diameterMean },
-        {
-          label: 'mean diameter of those in contact',
-          unit: 'um',
-          seen: (s) => s.liveMean,
-          exact: (f) => f.lengthBiasedMean,
-        },
+        { label: 'mean diameter of those born', unit: 'um', value: (v) => v.diameterMean },
+        { label: 'mean diameter of those in contact', unit: 'um', value: (v) => v.lengthBiasedMean },
         { label: 'share of its life a junction in contact has behind it', seen: (s) => s.ageMean, exact: () => 1 / 2 },
         { label: 'others in contact at a birth', seen: (s) => s.metMean, exact: (f) => f.countMean },
       ],
@@ -103,19 +98,16 @@
             contact, on average?`,
         options: [
           {
-            id: 'less',
             text: (f) => `${say(f.countMean - 1)}: one fewer, for itself`,
             hint: `A birth at random has no ties to those already there. Would fewer of them make a birth more likely?`,
           },
-          { id: 'equal', text: (f) => say(f.countMean), right: true },
+          { text: (f) => say(f.countMean), right: true },
           {
-            id: 'more',
             text: (f) => `${say(f.countMean + 1)}: births come in clusters`,
             hint: `The clusters are chance too: a birth makes no other birth more likely.`,
           },
           {
-            id: 'none',
-            text: () => `that depends on the sizes`,
+            text: `that depends on the sizes`,
             hint: `The count is Poisson for sizes of any law, and a birth knows nothing of it.`,
           },
         ],
@@ -157,14 +149,10 @@
         `All runs stand beside each other on equal axes: the same mean, another swing.`,
       ],
       table: [
-        { label: 'mean area', unit: 'um^2', seen: (s) => s.areaMean, exact: (f) => f.areaMean },
-        { label: 'standard deviation of the area', unit: 'um^2', seen: (s) => s.areaStd, exact: (f) => f.areaStd },
-        {
-          label: 'standard deviation over mean',
-          seen: (s) => s.areaStd / s.areaMean,
-          exact: (f) => f.areaStd / f.areaMean,
-        },
-        { label: 'skewness', seen: (s) => s.areaSkewness, exact: (f) => f.skewness },
+        { label: 'mean area', unit: 'um^2', value: (v) => v.areaMean },
+        { label: 'standard deviation of the area', unit: 'um^2', value: (v) => v.areaStd },
+        { label: 'standard deviation over mean', value: (v) => v.areaStd / v.areaMean },
+        { label: 'skewness', value: (v) => v.skewness },
       ],
     },
     law: (f) => `
@@ -202,22 +190,19 @@
       },
       {
         id: 'bell',
-        prompt: () => `Why does the histogram become a bell curve as the number grows?`,
+        prompt: `Why does the histogram become a bell curve as the number grows?`,
         options: [
           {
-            id: 'sizes',
-            text: () => `because the diameters follow a bell curve`,
+            text: `because the diameters follow a bell curve`,
             hint: `In this experiment all diameters are equal.`,
           },
-          { id: 'many', text: () => `because the area is a sum of many small independent parts`, right: true },
+          { text: `because the area is a sum of many small independent parts`, right: true },
           {
-            id: 'lens',
-            text: () => `because a life curve has the shape of a bell`,
+            text: `because a life curve has the shape of a bell`,
             hint: `Triangles do it too: choose another life among the controls.`,
           },
           {
-            id: 'regular',
-            text: () => `because births and deaths come to balance`,
+            text: `because births and deaths come to balance`,
             hint: `They balance with 2 junctions as well, and there it leans.`,
           },
         ],

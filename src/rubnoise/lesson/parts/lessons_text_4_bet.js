@@ -69,17 +69,8 @@
         `Press ♪ A and ♪ B: both on one scale. Which is louder?`,
       ],
       table: [
-        {
-          label: 'standard deviation of the area over its mean',
-          seen: (s) => s.areaStd / s.areaMean,
-          exact: (f) => f.areaStd / f.areaMean,
-        },
-        {
-          label: 'standard deviation of the displacement',
-          unit: 'um',
-          seen: (s) => s.displacementStd,
-          exact: (f) => f.displacementStd,
-        },
+        { label: 'standard deviation of the area over its mean', value: (v) => v.areaStd / v.areaMean },
+        { label: 'standard deviation of the displacement', unit: 'um', value: (v) => v.displacementStd },
       ],
     },
     settle,
@@ -112,26 +103,19 @@
       },
       {
         id: 'why',
-        prompt: () => `Why are many small junctions quieter?`,
+        prompt: `Why are many small junctions quieter?`,
         options: [
           {
-            id: 'weak',
-            text: () => `a small junction is weaker, so the mean force is smaller`,
+            text: `a small junction is weaker, so the mean force is smaller`,
             hint: `The mean area is the same, and with it the mean force.`,
           },
+          { text: `they come and go independently, and their ups and downs mostly cancel`, right: true },
           {
-            id: 'cancel',
-            text: () => `they come and go independently, and their ups and downs mostly cancel`,
-            right: true,
-          },
-          {
-            id: 'fast',
-            text: () => `they come and go too fast to be noticed by the area`,
+            text: `they come and go too fast to be noticed by the area`,
             hint: `The area counts every one of them, whatever their speed.`,
           },
           {
-            id: 'order',
-            text: () => `many junctions arrange themselves more regularly`,
+            text: `many junctions arrange themselves more regularly`,
             hint: `Their births are as random as ever.`,
           },
         ],

@@ -80,7 +80,7 @@
       {
         id: 'lag',
         unit: 'um',
-        prompt: () => `The autocorrelation of another trace falls to one half at a lag of ${um(LAG)}. All its junctions
+        prompt: `The autocorrelation of another trace falls to one half at a lag of ${um(LAG)}. All its junctions
           are equal. How large are they?`,
         expected: () => reading.byLag(LAG),
         tolerance: 0.02,
@@ -93,7 +93,7 @@
       },
       {
         id: 'share',
-        prompt: () => `On another surface, one junction in a hundred has a diameter of ${um(WIDE)}, all others of
+        prompt: `On another surface, one junction in a hundred has a diameter of ${um(WIDE)}, all others of
           ${um(1)}. Which share of the variance of the area comes from the large ones?`,
         expected: () => part(5),
         tolerance: 0.015,

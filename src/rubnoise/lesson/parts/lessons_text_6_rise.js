@@ -6,7 +6,7 @@
   const { say, share, um } = lessons.words;
   /* The contact of Fig. 5 as two rough surfaces make it, and the paper's slider. */
   const ROUGH = contact({ pulse: 'parabola', sizes: 'rayleigh' });
-  const SLIDER = { speed: 1000, strength: 250, mass: 0.005, stiffness: 300, damping: 0.05 };
+  const { SLIDER } = lessons;
   const MANY = 50;
   const riseOf = (count) => load.SCALE * Math.sqrt(2 / count);
 
@@ -43,23 +43,9 @@
         `Turn the speed up to 1000 mm/s with the load on. What comes back, and what does not?`,
       ],
       table: [
-        {
-          label: 'spread of the force over its mean',
-          seen: (s) => s.forceStd / s.forceMean,
-          exact: (f) => f.forceStd / f.forceMean,
-        },
-        {
-          label: 'standard deviation of the displacement',
-          unit: 'um',
-          seen: (s) => s.displacementStd,
-          exact: (f) => f.displacementStd,
-        },
-        {
-          label: 'standard deviation of the separation',
-          unit: 'um',
-          seen: (s) => s.separationStd,
-          exact: (f) => f.separationStd,
-        },
+        { label: 'spread of the force over its mean', value: (v) => v.forceStd / v.forceMean },
+        { label: 'standard deviation of the displacement', unit: 'um', value: (v) => v.displacementStd },
+        { label: 'standard deviation of the separation', unit: 'um', value: (v) => v.separationStd },
       ],
     },
     law: (f, world) => `
@@ -84,7 +70,7 @@
       {
         id: 'rise',
         unit: 'um',
-        prompt: () => `Slow sliding under a load, ${MANY} junctions on average, heights that vary by ${um(load.SCALE)}: how
+        prompt: `Slow sliding under a load, ${MANY} junctions on average, heights that vary by ${um(load.SCALE)}: how
           far does the slider typically rise and sink (its standard deviation)?`,
         expected: () => riseOf(MANY),
         tolerance: 0.02,
@@ -97,22 +83,19 @@
       },
       {
         id: 'gap',
-        prompt: () => `When is a constant gap a fair assumption for the force?`,
+        prompt: `When is a constant gap a fair assumption for the force?`,
         options: [
           {
-            id: 'slow',
-            text: () => `when sliding is slow: there is time to follow`,
+            text: `when sliding is slow: there is time to follow`,
             hint: `What is followed is taken away from the force.`,
           },
-          { id: 'fast', text: () => `when the contact changes faster than the slider can rise`, right: true },
+          { text: `when the contact changes faster than the slider can rise`, right: true },
           {
-            id: 'strong',
-            text: () => `when junctions are strong`,
+            text: `when junctions are strong`,
             hint: `Strength makes the whole force larger, quiet or not.`,
           },
           {
-            id: 'never',
-            text: () => `never`,
+            text: `never`,
             hint: `Turn the speed up and compare the force with that at constant gap.`,
           },
         ],

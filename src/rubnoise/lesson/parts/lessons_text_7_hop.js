@@ -9,8 +9,7 @@
   const [LOW, HIGH] = [0.5, 2]; // um
   const SPEED = 80e3; // um/s
   const LIGHT = contact({ pulse: 'parabola', sizes: 'rayleigh', meanCount: 0.5, support: 'free', heights: LOW });
-  const SLIDER = { strength: 250, mass: 0.005, stiffness: 300, damping: 0.05 };
-  const run = (label, heights, speed) => ({ label, set: { ...LIGHT, ...SLIDER, heights, speed }, show: 'hop' });
+  const run = (label, heights, speed) => ({ label, set: { ...LIGHT, ...lessons.SLIDER, heights, speed }, show: 'hop' });
   const RUNS = [
     run('Low, 80 mm/s', LOW, SPEED),
     run('High, 20 mm/s', HIGH, SPEED / 4),
@@ -94,7 +93,7 @@
       {
         id: 'leave',
         unit: 'mm/s',
-        prompt: () => `A slider leaves the surface from ${milli(LEAVES)} on. From which speed on, in mm/s, does it leave
+        prompt: `A slider leaves the surface from ${milli(LEAVES)} on. From which speed on, in mm/s, does it leave
           one that is ${HIGHER} times as high and otherwise equal?`,
         expected: () => LEAVES / 1000 / Math.sqrt(HIGHER),
         tolerance: 0.02,
@@ -107,22 +106,19 @@
       },
       {
         id: 'weight',
-        prompt: () => `The slider is apart for a fifth of the time. What is the mean load while it touches?`,
+        prompt: `The slider is apart for a fifth of the time. What is the mean load while it touches?`,
         options: [
           {
-            id: 'weight',
-            text: () => `the weight`,
+            text: `the weight`,
             hint: `In the air it bears nothing. What makes up for that?`,
           },
-          { id: 'more', text: () => `1.25 times the weight`, right: true },
+          { text: `1.25 times the weight`, right: true },
           {
-            id: 'less',
-            text: () => `0.8 times the weight`,
+            text: `0.8 times the weight`,
             hint: `Then it would fall through: the mean over all of the time is the weight.`,
           },
           {
-            id: 'speed',
-            text: () => `that depends on the speed`,
+            text: `that depends on the speed`,
             hint: `Look at the second row of the table, at any speed.`,
           },
         ],

@@ -1,5 +1,5 @@
 'use strict';
-/* Lesson 7 goes on: the slider pushes back. */
+/* Lesson 12: the slider of lesson 7 pushes back. */
 (() => {
   const { lessons } = globalThis.rub;
   const { say, um } = lessons.words;
@@ -9,12 +9,16 @@
   /** Return how long a slider is stuck that is pulled with one force where the contact bears another, in s. */
   const stuckFor = (bears, pulls, world) => (bears - pulls) / (world.stiffness * world.speed);
 
-  /** Return the second half of the lesson on the slider, for the settings of its experiment. */
-  lessons.pushesBack = (settings) => ({
+  /* Nothing is exact about a slider that pushes back. */
+  const atConstantSpeed = (value) => (f, world) => (world.coupling === 'two-way' ? NaN : value(f));
+
+  lessons.add({
+    id: 'back',
+    controls: ['coupling', 'speed', 'damping'],
     title: 'It pushes back',
     question: `So far the surfaces slid at <var>V</var>, whatever the slider did. But they slide at <var>V</var> −
-      <var>x</var>′: a slider that moves with the surface meets the same junctions later. At 1 mm/s, what does its
-      vibration become when it can push back?`,
+      <var>x</var>′: a slider that moves with the surface meets the same junctions later. At 1 mm/s, what does the
+      vibration of the slider of lesson 7 become when it can push back?`,
     prediction: {
       options: [
         { id: 'same', text: `much the same: the junctions are the same, only their times shift a little` },
@@ -23,32 +27,45 @@
         { id: 'none', text: `none: it comes to rest where the spring carries the mean force` },
       ],
     },
+    evidence: {
+      run: 1,
+      row: 0,
+      asks: `What did the vibration become when the slider could push back?`,
+      says: ({ 0: [before], 1: [after] }) =>
+        after > 1.4 * before ? 'larger' : after > 0.7 * before ? 'same' : after > 0.02 * before ? 'clipped' : 'none',
+    },
+    needs: { births: 'poisson' },
     experiment: {
       pace: 6, // lives a second
-      label: 'Fig. 5, and it pushes back',
-      set: { ...settings, coupling: 'two-way' },
-      show: 'slider',
-      text: `The contact and the slider of Fig. 5 once more, the same junctions at the same places. Only the switch is
+      text: `The contact and the slider of Fig. 5 once more, the same junctions at the same places. Only the coupling is
         new; it stands among the controls too.`,
+      runs: [
+        { label: 'The drive’s speed is constant', set: lessons.fig5, show: 'slider' },
+        { label: 'The slider pushes back', set: { ...lessons.fig5, coupling: 'two-way' }, show: 'slider' },
+      ],
       watch: [
         `Where the traces are shaded the slider moves at the speed of the drive, and the stage stands still. What ends
           that?`,
         `Its velocity beside the dotted line, the speed of the drive: how far above does it come, and how far below?`,
-        `Turn the switch there and back, and compare the spread of the displacement.`,
+        `Turn the coupling there and back among the controls, and compare the spread of the displacement.`,
       ],
       table: [
         {
           label: 'standard deviation of the displacement',
           unit: 'um',
           seen: (s) => s.displacementStd,
-          exact: (f) => f.displacementStd,
+          exact: atConstantSpeed((f) => f.displacementStd),
         },
         {
           label: 'velocity’s standard deviation over sliding speed',
           seen: (s, f, world) => s.velocityStd / world.speed,
-          exact: (f) => f.oneWay,
+          exact: atConstantSpeed((f) => f.oneWay),
         },
-        { label: 'share of the time at the drive’s speed', seen: (s) => s.stuckShare, exact: () => 0 },
+        {
+          label: 'share of the time at the drive’s speed',
+          seen: (s) => s.stuckShare,
+          exact: atConstantSpeed(() => 0),
+        },
       ],
     },
     law: (f, world) => `
@@ -70,7 +87,7 @@
         junctions.</p>
       <p>The slider waits where the contact is large. So who looks at a random <em>time</em> finds more area than
         ${say(f.areaMean)} µm², the mean over the <em>distance</em>. And pushing back does not always calm: at 30 mm/s the
-        vibration is larger with it than without. At 100 mm/s the switch hardly matters: nothing sticks there.</p>`,
+        vibration is larger with it than without. At 100 mm/s the coupling hardly matters: nothing sticks there.</p>`,
     checks: [
       {
         id: 'wait',
@@ -92,26 +109,19 @@
       },
       {
         id: 'fastest',
-        prompt: () => `Why is the slider hardly ever faster than the drive?`,
+        prompt: `Why is the slider hardly ever faster than the drive?`,
         options: [
           {
-            id: 'damper',
-            text: () => `the damper takes away what is faster`,
+            text: `the damper takes away what is faster`,
             hint: `Turn the damping down to a tenth and look again.`,
           },
+          { text: `friction drags it forward only while it is slower than the surface`, right: true },
           {
-            id: 'friction',
-            text: () => `friction drags it forward only while it is slower than the surface`,
-            right: true,
-          },
-          {
-            id: 'spring',
-            text: () => `the spring holds it back`,
+            text: `the spring holds it back`,
             hint: `The same spring let it swing far faster than the drive when the speed was constant.`,
           },
           {
-            id: 'area',
-            text: () => `the junctions are too small to push it so hard`,
+            text: `the junctions are too small to push it so hard`,
             hint: `The same junctions did so when the speed was constant.`,
           },
         ],
