@@ -25,9 +25,9 @@ from rubnoise.runs.making import describe, play
 from rubnoise.scenario.scenario import Scenario, flattened
 from rubnoise.scenario.sweep import Point, Sweep, in_words, name_of, points_of, run_id
 from rubnoise.scenario.sweep_keys import Keep
-from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
+from rubnoise.simulation.state import Watch
 from rubnoise.storage.forecast import check_sweep_space, expected, together
 from rubnoise.storage.output import whole_file
 from rubnoise.storage.reader import InUse, TooNew, open_run
