@@ -11,7 +11,7 @@ from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
 # Contacts beside each other on equal axes, the trace over itself, thirty swings, and a picture without stripes.
 SIDES = """(() => {
   rub.fitAll();
-  rub.beside.draw();
+  rub.beside.picture.redraw();
   return rub.beside.sides.map((side) => side && {
     areas: Array.from({ length: 400 }, (_, i) => side.area(side.next - 400 + i)),
     first: side.next - 400, spacing: side.spacing, top: side.top, looks: side.looks,
@@ -41,7 +41,7 @@ def test_a_jump_far_ahead_shows_what_a_slow_run_does(walk: Walk) -> None:
     there = walk.page.evaluate(SIDES)[1:]
     walk.page.evaluate("rub.run.goTo(0)")
     for place in range(100, 2001, 100):
-        walk.page.evaluate(f"rub.run.goTo({place}), rub.beside.draw()")
+        walk.page.evaluate(f"rub.run.goTo({place}), rub.beside.picture.redraw()")
     slowly = walk.page.evaluate(SIDES)[1:]
     assert slowly == there
     for side in slowly:

@@ -120,7 +120,7 @@ def test_a_seed_repeats_and_another_does_not() -> None:
 
 # Life-lines and the histogram of the count: the lanes, the line of now, and Poisson's bars.
 ROWS = "rub.run.rows.map((row, i) => [row.birth, row.death, rub.lives.lanes[i]])"
-DRAWN = "rub.lives.draw(), rub.lives.drawCounts()"
+DRAWN = "rub.lives.pictures.forEach((each) => each.redraw())"
 
 
 @pytest.fixture

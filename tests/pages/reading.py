@@ -31,7 +31,8 @@ def answer(data: dict[str, Any], body: str, **given: Any) -> Any:
     if node is None:
         pytest.skip("NO NODE FOUND: conditions and lives of the page are not tested without a browser")
     names = ("rows.js", "where.js", "life.js", "welch.js")
-    parts = "\n".join([part("rubnoise", "arrays.js"), *((PARTS / name).read_text(encoding="utf-8") for name in names)])
+    shared = [part("rubnoise", name) for name in ("arrays.js", "areas.js")]
+    parts = "\n".join([*shared, *(part("rubnoise.pages", name) for name in names)])
     program = (
         "const both = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n"
         "globalThis.document = { getElementById: () => ({ textContent: JSON.stringify(both.data) }) };\n"

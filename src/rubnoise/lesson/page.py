@@ -24,7 +24,7 @@ from rubnoise.web_page import filled, packed, part, web_page
 
 _HERE: Final = "rubnoise.lesson"
 _FIRST: Final = (
-    "numbers random pulses model rows theory theory_regular theory_density world slider load field piece motion flight"
+    "numbers random pulses model rows theory theory_regular theory_density world piece slider load field motion flight"
     " trace run seen reading plot places stage stack traces"
 )
 _LAST: Final = "main"
@@ -59,8 +59,12 @@ def script_parts() -> dict[str, str]:
     """Return the texts of the script's parts by name, in the order in which they run."""
     first = _FIRST.split()
     names = [*first, *sorted({name.removesuffix(".js") for name in _names(".js")} - {*first, _LAST}), _LAST]
-    shared = {"arrays": part("rubnoise", "arrays.js"), "tables": f"rub.tables = {json.dumps(tables())};"}
-    return shared | {name: part(_HERE, f"{name}.js") for name in names}
+    shared = {name: part("rubnoise", f"{name}.js") for name in ("arrays", "areas")}
+    return (
+        shared
+        | {"tables": f"rub.tables = {json.dumps(tables())};"}
+        | {name: part(_HERE, f"{name}.js") for name in names}
+    )
 
 
 def _names(ending: str) -> list[str]:

@@ -14,7 +14,7 @@ from numpy.polynomial.chebyshev import Chebyshev
 from numpy.typing import NDArray
 from scipy.special import j1
 
-from rubnoise.contact.pulses import LENS, LENS_SERIES, OFF_CENTRE_LENS, PARABOLA, TRIANGLE, Pulse
+from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, PARABOLA, TRIANGLE, Pulse
 from rubnoise.theory.sizes import Function, panels
 from rubnoise.theory.unit_pulse import amplitude, overlaps
 
@@ -27,14 +27,14 @@ _FAR = np.linspace(EDGES[-1], 160.0, 401)
 
 
 def tables() -> dict[str, Any]:
-    """Return the series of the lens's rising half over u^1.5, and the table of each pulse of the page by its name."""
+    """Return the table of each pulse of the page by its name, and where its series end."""
     lives = {
         "lens": _life(LENS, lambda z: amplitude(LENS, z), fall=2, root=0.5, waves=1),
         "triangle": _life(TRIANGLE, lambda z: amplitude(TRIANGLE, z), fall=2, root=0.0, waves=1),
         "parabola": _life(PARABOLA, lambda z: amplitude(PARABOLA, z), fall=2, root=0.0, waves=1),
         "offCentre": _life(OFF_CENTRE_LENS, _off_centre, fall=5, root=0.5, waves=2),
     }
-    return {"rising": _short(LENS_SERIES), "edges": EDGES, "lags": LAGS, "lives": lives}
+    return {"edges": EDGES, "lags": LAGS, "lives": lives}
 
 
 def _life(pulse: Pulse, spectrum: Function, *, fall: int, root: float, waves: int) -> dict[str, Any]:

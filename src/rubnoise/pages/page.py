@@ -17,7 +17,7 @@ def page(template: str, *, title: str, styles: Sequence[str], scripts: Sequence[
         filled(part(HERE, template), {"title": escape(title)}),
         title=title,
         styles=[part(HERE, name) for name in styles],
-        scripts=[part("rubnoise", "arrays.js"), *(part(HERE, name) for name in scripts)],
+        scripts=[part("rubnoise", "arrays.js"), part("rubnoise", "areas.js"), *(part(HERE, name) for name in scripts)],
         data=data,
     )
 

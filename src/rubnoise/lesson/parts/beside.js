@@ -2,13 +2,13 @@
 /* The contacts of a lesson beside each other on equal axes, each as far as it was run: area, births, how often. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, line, leftAxis, lowerAxis } = rub.plot;
+  const { ink, picture } = rub.plot;
   const COLUMNS = 480; // of a picture
   const LOOK = 8; // columns from one look for the histogram to the next
   const BINS = 40;
   const LIVES = 4; // of the longer ones, in a picture
   const LEAST_GAP = 2; // pixels between two births that can be distinguished
-  const beside = { pen: null, runs: [], sides: [] };
+  const beside = { runs: [], sides: [] };
 
   /** A contact that slides along: its areas in the columns on show, its births there, and how often each area was. */
   class Side {
@@ -84,75 +84,50 @@
   const wentBack = (side) => side && side.reached > rub.run.reached;
 
   /** Draw every contact in a part of the canvas, with the same axes; that of the run on the stage goes on. */
-  beside.draw = () => {
-    const { width, height } = beside.pen;
-    if (!width || !beside.runs.length) return;
-    beside.pen.clear();
+  function draw(p) {
+    if (!beside.runs.length) return;
     renew();
-    const part = width / beside.runs.length;
+    const part = p.width / beside.runs.length;
     beside.sides.forEach((side, i) => {
       if (side && beside.runs[i].running) side.until(rub.run.reached);
-      const box = { left: i * part + 46, top: 18, right: (i + 1) * part - 10, bottom: height - 18 };
-      drawSide(side, beside.runs[i].label, box);
+      p.frame(i * part + 46, p.width - (i + 1) * part + 10);
+      drawSide(p, side, beside.runs[i].label);
     });
-  };
-
-  function drawSide(side, label, box) {
-    const { ctx } = beside.pen;
-    const trace = { ...box, right: box.right - 0.16 * (box.right - box.left) };
-    const last = side ? Math.floor(side.reached / beside.spacing) : 0;
-    const first = Math.max(0, last - COLUMNS);
-    const y = leftAxis(ctx, box, 0, beside.top, [`${label}: area, µm²`, label]);
-    const x = lowerAxis(ctx, trace, first * beside.spacing, (first + COLUMNS) * beside.spacing, ['sliding distance, µm', 'µm']);
-    if (!side) return hint(box);
-    drawBirths(side, x, trace);
-    ctx.strokeStyle = ink.ink;
-    ctx.lineWidth = 1.5;
-    ctx.lineJoin = 'round';
-    line(
-      ctx,
-      first,
-      last,
-      (i) => x(i * side.spacing),
-      (i) => y(Math.min(side.area(i), side.top)),
-    );
-    return drawOften(side, y, trace.right + 4, box.right);
   }
 
-  function hint(box) {
-    const { ctx } = beside.pen;
-    ctx.fillStyle = ink.quiet;
-    ctx.textAlign = 'center';
-    ctx.fillText('press ▶', 0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom));
+  function drawSide(p, side, label) {
+    const { box } = p;
+    const trace = { ...box, right: box.right - 0.16 * (box.right - box.left) };
+    const { spacing, top } = beside;
+    const last = side ? Math.floor(side.reached / spacing) : 0;
+    const first = Math.max(0, last - COLUMNS);
+    p.up(0, top, [`${label}: area, µm²`, label]);
+    p.across(first * spacing, (first + COLUMNS) * spacing, ['sliding distance, µm', 'µm'], trace);
+    const [x, y] = [0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom)];
+    if (!side) return p.text('press ▶', x, y, 'center', 'top', ink.quiet);
+    drawBirths(p, side, trace);
+    const area = (i) => p.y(Math.min(side.area(i), top));
+    p.curve(first, last, (i) => p.x(i * spacing), area);
+    return drawOften(p, side, trace.right + 4);
   }
 
   /** Mark each birth at the lower edge, where single ones can be seen. */
-  function drawBirths({ births, source, reached }, x, box) {
-    if (x(source.contact.spacing) - x(0) < LEAST_GAP) return;
-    const { ctx } = beside.pen;
-    ctx.fillStyle = ink.birth;
-    for (const birth of births) {
-      if (x(birth) >= box.left && birth <= reached) ctx.fillRect(x(birth) - 0.5, box.bottom - 9, 1.2, 9);
-    }
+  function drawBirths(p, { births, source, reached }, { left, bottom }) {
+    if (p.x(source.contact.spacing) - p.x(0) < LEAST_GAP) return;
+    for (const x of births.filter((birth) => birth <= reached).map(p.x))
+      if (x >= left) p.shade(x - 0.5, x + 0.7, ink.birth, { top: bottom - 9, bottom });
   }
 
-  function drawOften({ counts, looks, top }, y, left, right) {
-    const { ctx } = beside.pen;
+  function drawOften(p, { counts, looks, top }, left) {
     const most = Math.max(...counts);
-    ctx.fillStyle = ink.quiet;
-    ctx.globalAlpha = 0.6;
+    p.ctx.globalAlpha = 0.6;
     for (let i = 0; looks && i < BINS; i += 1) {
-      const [low, high] = [y((i * top) / BINS), y(((i + 1) * top) / BINS)];
-      ctx.fillRect(left, high, (counts[i] / most) * (right - left), low - high - 0.5);
+      const [low, high] = [p.y((i * top) / BINS) - 0.5, p.y(((i + 1) * top) / BINS)];
+      p.shade(left, left + (counts[i] / most) * (p.box.right - left), ink.quiet, { top: high, bottom: low });
     }
-    ctx.globalAlpha = 1;
+    p.ctx.globalAlpha = 1;
   }
 
-  beside.begin = (canvas) => {
-    beside.pen = pen(canvas);
-  };
-
-  beside.fit = () => beside.pen.fit();
-
+  beside.picture = picture('beside', draw);
   rub.beside = beside;
 })();

@@ -2,7 +2,7 @@
 /* A strip to play with before the first lesson: a click lets a junction be born, and it lives its life. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink } = rub.plot;
+  const { ink, Picture } = rub.plot;
   const LIFE = 3; // s
   const STEPS = 4; // of a life, one a click, where nothing may move
   const MOST = 12;
@@ -10,36 +10,24 @@
   let pen = null;
   let last = 0;
 
-  function circle(ctx, x, y, r) {
+  function drawLife(p, { place, age }) {
+    const { ctx, height } = p;
+    const r = 0.3 * height;
+    const [x, y] = [place * p.width, 0.5 * height];
+    const moved = x + (2 * age - 1) * 2 * r;
+    for (const middle of [x, moved]) p.circle(middle, y, r, { colour: ink.second });
+    ctx.save();
     ctx.beginPath();
     ctx.arc(x, y, r, 0, 2 * Math.PI);
-  }
-
-  function drawLife({ place, age }) {
-    const { ctx, height } = pen;
-    const r = 0.3 * height;
-    const [x, y] = [place * pen.width, 0.5 * height];
-    const moved = x + (2 * age - 1) * 2 * r;
-    ctx.strokeStyle = ink.second;
-    ctx.lineWidth = 1.5;
-    for (const middle of [x, moved]) {
-      circle(ctx, middle, y, r);
-      ctx.stroke();
-    }
-    ctx.save();
-    circle(ctx, x, y, r);
     ctx.clip();
-    circle(ctx, moved, y, r);
-    ctx.fillStyle = ink.exact;
-    ctx.fill();
+    p.dot(moved, y, ink.exact, r);
     ctx.restore();
   }
 
-  function draw() {
-    pen.clear();
-    born.lives.forEach(drawLife);
+  function draw(p) {
+    born.lives.forEach((life) => drawLife(p, life));
     const count = born.lives.length;
-    rub.plot.heading(pen.ctx, { left: 4, top: 16 }, count ? `${count} alive` : 'click here');
+    p.heading(count ? `${count} alive` : 'click here', { left: 4, top: 16 });
   }
 
   function frame(now) {
@@ -47,7 +35,7 @@
     const seconds = Math.min(0.1, (now - last) / 1000);
     last = now;
     older(seconds / LIFE);
-    draw();
+    pen.redraw();
     if (born.lives.length) requestAnimationFrame(frame);
   }
 
@@ -60,7 +48,7 @@
     if (calm) older(1 / STEPS);
     const still = born.lives.length === 0;
     if (born.lives.length < MOST) born.lives.push({ place, age: calm ? 1 / STEPS : 0 });
-    draw();
+    pen.redraw();
     if (calm || !still) return;
     last = performance.now();
     requestAnimationFrame(frame);
@@ -71,14 +59,14 @@
     pen = null;
     born.lives = [];
     if (!canvas) return;
-    pen = rub.plot.pen(canvas);
+    pen = new Picture(canvas, draw);
     canvas.addEventListener('click', (event) => bear(event.offsetX / canvas.clientWidth));
     canvas.addEventListener('keydown', (event) => {
       if (event.key !== 'Enter' && event.key !== ' ') return;
       event.preventDefault();
       bear(0.1 + 0.8 * Math.random());
     });
-    draw();
+    pen.redraw();
   };
 
   rub.born = born;

@@ -2,7 +2,8 @@
 /* One junction's life: its row, its numbers, its curve. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, said, line, leftAxis, lowerAxis } = rub.plot;
+  const { ink, picture, said } = rub.plot;
+  const POINTS = 80; // of a curve
   const card = {};
 
   /** Choose a junction by its row number; -1 chooses none. */
@@ -25,7 +26,7 @@
 
   const chosen = () => rub.run.rows[rub.run.selected];
 
-  const halfOf = (row) => rub.model.halfLife(row.diameter, row.offset);
+  const halfOf = (row) => rub.halfLife(row.diameter, row.offset);
 
   /** Return the area of a row at an age, in um^2. */
   const areaAt = (row, age) => rub.run.trace.pulse.area(age, row.diameter, row.offset);
@@ -64,62 +65,36 @@
     if (!row) return;
     const cells = numbersOf(row).map(([label, value, unit]) => `<dt>${label}</dt><dd>${value} ${unit}</dd>`);
     card.list.innerHTML = cells.join('');
-    card.pen.fit();
-    card.draw();
+    card.picture.fit();
+    card.picture.redraw();
   };
 
   /** Draw the curve of the chosen life, and where on it the junction is. */
-  card.draw = () => {
+  function draw(p) {
     const row = chosen();
     if (!row) return;
-    const { ctx, width, height } = card.pen;
-    card.pen.clear();
-    const box = { left: 40, top: 18, right: width - 8, bottom: height - 18 };
-    const y = leftAxis(
-      ctx,
-      box,
-      0,
-      1.1 * Math.max(rub.stage.largest(), 0.25 * Math.PI * row.diameter ** 2),
-      'area of this junction, µm²',
-    );
+    p.frame(40);
     const life = 2 * halfOf(row);
-    const x = lowerAxis(ctx, box, 0, life, 'distance since birth, µm');
-    ctx.strokeStyle = ink.accent;
-    ctx.lineWidth = 2;
-    const along = (i) => (i / 80) * life;
-    line(
-      ctx,
-      0,
-      80,
-      (i) => x(along(i)),
-      (i) => y(areaAt(row, along(i))),
-    );
+    const top = 1.1 * Math.max(rub.stage.largest(), 0.25 * Math.PI * row.diameter ** 2);
+    p.axes([0, top, 'area of this junction, µm²'], [0, life, 'distance since birth, µm']);
+    const along = (i) => (i / POINTS) * life;
+    const y = (i) => p.y(areaAt(row, along(i)));
+    p.curve(0, POINTS, (i) => p.x(along(i)), y, { colour: ink.accent, width: 2 });
     const age = rub.run.distance - row.birth;
-    if (age < 0 || age > life) return;
-    ctx.fillStyle = ink.ink;
-    ctx.beginPath();
-    ctx.arc(x(age), y(areaAt(row, age)), 4.5, 0, 2 * Math.PI);
-    ctx.fill();
-  };
+    if (age >= 0 && age <= life) p.dot(p.x(age), p.y(areaAt(row, age)), ink.ink, 4.5);
+  }
 
   /** Keep the area that changes from moment to moment up to date. */
   card.refresh = () => {
     const row = chosen();
     if (!row) return;
     const cells = card.list.querySelectorAll('dd');
-    cells[cells.length - 1].textContent =
-      `${said(areaAt(row, rub.run.distance - row.birth), 6)} µm²`;
+    cells[cells.length - 1].textContent = `${said(areaAt(row, rub.run.distance - row.birth), 6)} µm²`;
   };
 
-  card.begin = (panel, hint, status) => {
-    Object.assign(card, {
-      panel,
-      hint,
-      status,
-      list: panel.querySelector('dl'),
-      pen: pen(panel.querySelector('canvas')),
-    });
-  };
-
+  const find = (id) => document.getElementById(id);
+  const panel = find('card');
+  Object.assign(card, { panel, hint: find('card-hint'), status: find('status'), list: panel.querySelector('dl') });
+  card.picture = picture('card-canvas', draw);
   rub.card = card;
 })();

@@ -56,22 +56,15 @@
   function begin(root) {
     let held = null;
     const of = (event) => event.target.closest?.('[data-drag]');
-    root.addEventListener('pointerdown', (event) => {
+    const take = (event) => {
       const element = of(event);
-      if (!element) return;
+      if (!element) return false;
       event.preventDefault();
       element.focus();
-      element.setPointerCapture(event.pointerId);
       held = { key: element.dataset.drag, from: event.clientX, value: NUMBERS[element.dataset.drag].value() };
-    });
-    root.addEventListener('pointermove', (event) => {
-      if (held) turn(held.key, held.value * 10 ** ((event.clientX - held.from) / PIXELS));
-    });
-    for (const name of ['pointerup', 'pointercancel']) {
-      root.addEventListener(name, () => {
-        held = null;
-      });
-    }
+      return true;
+    };
+    rub.plot.dragging(root, take, (event) => turn(held.key, held.value * 10 ** ((event.clientX - held.from) / PIXELS)));
     root.addEventListener('keydown', (event) => {
       const element = of(event);
       if (!element || !(event.key in KEYS)) return;

@@ -2,9 +2,10 @@
 /* How often each area has been met so far, beside the trace of the area and on the same scale. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, line } = rub.plot;
+  const { ink, picture } = rub.plot;
   const BINS = 48;
   const RESTED = 200; // ms
+  const POINTS = 240; // of a density
   const histogram = { counts: new Float64Array(BINS), ticks: 0, top: 0, trace: null };
 
   /** Count the ticks passed since the last time, or all of them where the run has gone back or is another. */
@@ -27,64 +28,39 @@
   }
 
   /** Draw the bars, and what is exact over them. */
-  histogram.draw = () => {
+  function draw(p) {
     update();
-    const { ctx, width, height } = histogram.pen;
-    histogram.pen.clear();
-    const box = { left: 4, top: 18, right: width - 4, bottom: height - 18 };
-    rub.plot.heading(ctx, box, 'how often');
+    const box = p.frame(4, 4);
+    p.heading('how often');
     const { areaStd } = rub.exact();
     const peak = areaStd > 0 ? (0.5 / areaStd) * 1.05 : 1;
     const bin = histogram.top / BINS;
-    const x = (density) => box.left + Math.min(1, density / peak) * (box.right - box.left);
-    const y = (area) => box.bottom - (area / histogram.top) * (box.bottom - box.top);
-    ctx.fillStyle = ink.band;
-    for (let i = 0; i < BINS; i += 1) {
-      const density = histogram.counts[i] / (histogram.ticks * bin);
-      ctx.fillRect(box.left, y((i + 1) * bin), x(density) - box.left, y(i * bin) - y((i + 1) * bin) - 0.5);
-    }
+    p.x = (density) => box.left + Math.min(1, density / peak) * (box.right - box.left);
+    p.y = (area) => box.bottom - (area / histogram.top) * (box.bottom - box.top);
+    histogram.counts.forEach((count, i) => {
+      const [top, bottom] = [p.y((i + 1) * bin), p.y(i * bin) - 0.5];
+      p.shade(box.left, p.x(count / (histogram.ticks * bin)), ink.band, { top, bottom });
+    });
     const known = rub.world.births === 'poisson' ? exactDensity() : null;
-    if (known && !rub.readout.veiled()) drawLaws(ctx, box, x, y, bin, known);
-  };
+    if (known && !rub.readout.veiled()) drawLaws(p, bin, known);
+  }
 
   /** Draw the exact density of births at random, and dashed the bell curve; other births have neither here. */
-  function drawLaws(ctx, box, x, y, bin, known) {
-    const at = (i) => (i / 240) * histogram.top;
-    ctx.strokeStyle = ink.exact;
-    ctx.lineWidth = 1.5;
-    ctx.setLineDash([3, 3]);
-    line(
-      ctx,
-      0,
-      240,
-      (i) => x(bell(at(i))),
-      (i) => y(at(i)),
-    );
-    ctx.setLineDash([]);
-    line(
-      ctx,
-      0,
-      240,
-      (i) => x(known[i]),
-      (i) => y(at(i)),
-    );
-    drawAtom(ctx, box, x, y, bin);
+  function drawLaws(p, bin, known) {
+    const area = (i) => (i / POINTS) * histogram.top;
+    const y = (i) => p.y(area(i));
+    p.curve(0, POINTS, (i) => p.x(bell(area(i))), y, { colour: ink.exact, dash: [3, 3] });
+    p.curve(0, POINTS, (i) => p.x(known[i]), y, { colour: ink.exact });
+    drawAtom(p, bin);
   }
 
   /** Draw the chance that no junction is in contact, spread over one bar, and say it where it can be seen. */
-  function drawAtom(ctx, box, x, y, bin) {
+  function drawAtom(p, bin) {
     const atom = rub.theory.areaAtom(rub.exact().contact);
     if (atom < 1e-3) return;
-    ctx.strokeStyle = ink.exact;
-    ctx.lineWidth = 3;
-    ctx.beginPath();
-    ctx.moveTo(box.left, y(0));
-    ctx.lineTo(x(atom / bin), y(0));
-    ctx.stroke();
-    ctx.fillStyle = ink.exact;
-    ctx.textAlign = 'right';
-    ctx.textBaseline = 'top';
-    ctx.fillText(`none: ${rub.plot.said(100 * atom, 2)} %`, box.right, box.bottom + 3);
+    p.level(p.y(0), { colour: ink.exact, width: 3 }, { left: p.box.left, right: p.x(atom / bin) });
+    const said = `none: ${rub.plot.said(100 * atom, 2)} %`;
+    p.text(said, p.box.right, p.box.bottom + 3, 'right', 'top', ink.exact);
   }
 
   /* Computed once for each setting, and not before a knob has come to rest: it takes longer than a frame. */
@@ -104,9 +80,5 @@
     rub.emit('density', top);
   }
 
-  histogram.begin = (canvas) => {
-    histogram.pen = pen(canvas);
-  };
-
-  rub.histogram = histogram;
+  picture('histogram', draw);
 })();

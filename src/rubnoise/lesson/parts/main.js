@@ -3,6 +3,7 @@
 (() => {
   const rub = (globalThis.rub ??= {});
   const find = (id) => document.getElementById(id);
+  const { pictures, Picture, colourOf, said } = rub.plot;
   let dirty = true;
   let last = 0;
   let shownAt = 0;
@@ -44,18 +45,7 @@
 
   function draw(now) {
     const seen = rub.run.moments();
-    rub.stage.draw();
-    rub.traces.draw(seen);
-    rub.mass.draw();
-    rub.histogram.draw();
-    rub.lives.draw();
-    rub.lives.drawCounts();
-    rub.section.draw();
-    rub.beside.draw();
-    rub.hop.draw();
-    rub.shifted.draw(seen);
-    rub.reading.draw();
-    rub.card.draw();
+    for (const each of pictures) if (!each.slow) each.redraw(seen);
     if (!rub.run.playing || now - shownAt > 200) showSeen(now, seen);
     dirty = false;
   }
@@ -66,46 +56,37 @@
     rub.readout.seen(seen);
     rub.transport.where();
     rub.card.refresh();
-    rub.panels.draw(seen);
+    for (const each of pictures) if (each.slow) each.redraw(seen);
     rub.shifted.write();
   }
 
-  function fitAll() {
+  /** Fit all pictures to their places. */
+  rub.fitAll = () => {
     rub.plot.readTheme();
-    rub.section.fit();
-    rub.stage.fit();
-    rub.traces.fit();
-    rub.mass.fit();
-    rub.histogram.pen.fit();
-    rub.lives.fit();
-    rub.beside.fit();
-    rub.hop.fit();
-    rub.shifted.fit();
-    rub.reading.fit();
-    rub.card.pen.fit();
-    rub.panels.fit();
+    for (const each of pictures) {
+      each.fit();
+      each.fitted();
+    }
     drawLegend();
     pin();
     dirty = true;
-  }
-
-  rub.fitAll = fitAll;
+  };
 
   /** Turn larger type for a class in front of a projector on or off. */
   rub.projector = () => {
     const isOn = document.documentElement.classList.toggle('projector');
     find('projector').setAttribute('aria-pressed', String(isOn));
-    fitAll();
+    rub.fitAll();
   };
 
+  const legend = new Picture(find('legend'), (p) => {
+    for (let i = 0; i < p.width; i += 1) p.shade(i, i + 1.5, colourOf(i / p.width), { top: 0, bottom: p.height });
+  });
+
   function drawLegend() {
-    const pen = rub.plot.pen(find('legend'));
-    for (let i = 0; i < pen.width; i += 1) {
-      pen.ctx.setTransform(pen.scale, 0, 0, pen.scale, 0, 0);
-      pen.ctx.fillStyle = rub.plot.colourOf(i / pen.width);
-      pen.ctx.fillRect(i, 0, 1.5, pen.height);
-    }
-    find('legend-top').textContent = `${rub.plot.said(rub.stage.largest(), 3)} µm²`;
+    legend.fit();
+    legend.redraw();
+    find('legend-top').textContent = `${said(rub.stage.largest(), 3)} µm²`;
   }
 
   function settingsChanged() {
@@ -127,19 +108,11 @@
     rub.run.renew({ keep: false });
     const calm = matchMedia('(prefers-reduced-motion: reduce)');
     rub.stage.calm = calm.matches;
-    rub.stage.begin(find('stage'));
-    rub.traces.begin(['area', 'count', 'force', 'slider', 'velocity']);
-    rub.mass.begin(find('mass'));
+    rub.stage.begin();
     rub.swings.begin(find('slider'));
     rub.drag.begin(find('lessons'));
-    rub.histogram.begin(find('histogram'));
-    rub.lives.begin(find('lives'), find('count-histogram'));
-    rub.section.begin(find('section'));
-    rub.beside.begin(find('beside'));
-    rub.hop.begin(find('hop'));
-    rub.shifted.begin(find('shifted'), find('pairs'));
+    rub.shifted.begin();
     rub.reading.begin();
-    rub.card.begin(find('card'), find('card-hint'), find('status'));
     rub.readout.begin(find('numbers'));
     rub.knobs.begin(find('knobs'));
     rub.panels.begin();
@@ -149,7 +122,7 @@
     find('unfold').addEventListener('click', unfold);
     rub.sound.begin();
     rub.on('settings', settingsChanged);
-    for (const event of ['jump', 'select', 'reset', 'tick', 'density', 'veil', 'lag', 'reading']) {
+    for (const event of ['select', 'reset', 'tick', 'density', 'veil', 'lag', 'reading']) {
       rub.on(event, () => {
         dirty = true;
       });
@@ -157,11 +130,10 @@
     rub.followFragment();
     rub.knobs.show();
     settingsChanged();
-    fitAll();
-    new ResizeObserver(fitAll).observe(find('pictures'));
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', fitAll);
+    rub.fitAll();
+    new ResizeObserver(rub.fitAll).observe(find('pictures'));
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', rub.fitAll);
     rub.emit('ready', rub.lesson);
-    rub.isReady = true;
     if (!calm.matches) rub.run.play();
     requestAnimationFrame((now) => {
       last = now;

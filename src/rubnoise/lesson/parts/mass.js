@@ -2,11 +2,10 @@
 /* The slider from the side: a mass on a spring, pulled along by the surface that the drive moves to the right. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, heading } = rub.plot;
+  const { ink, picture } = rub.plot;
   const COILS = 14;
   const MARKS = 36; // pixels between two marks of the surface
   const PHASES = ['slides', 'stuck', 'runs back over the surface'];
-  const mass = { pen: null };
 
   /** Return the displacement in um, the way of the drive in um, and the phase. */
   function now() {
@@ -16,69 +15,38 @@
   }
 
   /** Draw the slider as it is now; it and the surface move on one scale. */
-  mass.draw = () => {
-    const { ctx, width, height } = mass.pen;
+  picture('mass', (p) => {
     const [place, way, phase] = now();
     const [low, high] = rub.traces.reach();
-    const scale = (0.7 * width) / (high - low);
-    const x = 0.16 * width + (Math.min(Math.max(place, low), high) - low) * scale;
-    const floor = height - 14;
-    mass.pen.clear();
-    drawSurface(ctx, width, floor, way * scale);
-    drawSpring(ctx, x, floor - 16);
-    drawBlock(ctx, x, floor, phase === 1);
-    heading(ctx, { left: Math.min(x + 30, width - 70), top: floor - 8 }, rub.run.motion ? PHASES[phase] : '');
-  };
+    const scale = (0.7 * p.width) / (high - low);
+    const x = 0.16 * p.width + (Math.min(Math.max(place, low), high) - low) * scale;
+    const floor = p.height - 14;
+    drawSurface(p, floor, way * scale);
+    drawSpring(p, x, floor - 16);
+    drawBlock(p, x, floor, phase === 1);
+    p.heading(rub.run.motion ? PHASES[phase] : '', { left: Math.min(x + 30, p.width - 70), top: floor - 8 });
+  });
 
-  function drawSurface(ctx, width, floor, shift) {
-    ctx.strokeStyle = ink.second;
-    ctx.lineWidth = 2;
-    ctx.beginPath();
-    ctx.moveTo(0, floor);
-    ctx.lineTo(width, floor);
-    for (let x = (shift % MARKS) - MARKS; x < width; x += MARKS) {
-      ctx.moveTo(x, floor);
-      ctx.lineTo(x - 6, floor + 9);
-    }
-    ctx.stroke();
+  function drawSurface(p, floor, shift) {
+    const lines = [[[0, floor], [p.width, floor]]];
+    for (let x = (shift % MARKS) - MARKS; x < p.width; x += MARKS) lines.push([[x, floor], [x - 6, floor + 9]]);
+    p.lines(lines, { colour: ink.second, width: 2 });
   }
 
-  function drawSpring(ctx, x, y) {
+  function drawSpring(p, x, y) {
     const end = x - 22;
-    ctx.strokeStyle = ink.quiet;
-    ctx.lineWidth = 1.5;
-    ctx.beginPath();
-    ctx.moveTo(4, y - 18);
-    ctx.lineTo(4, y + 14);
-    ctx.moveTo(4, y);
-    for (let i = 1; i < COILS; i += 1) ctx.lineTo(4 + ((end - 4) * i) / COILS, y + (i % 2 ? -6 : 6));
-    ctx.lineTo(end, y);
-    ctx.stroke();
+    const coils = Array.from({ length: COILS - 1 }, (_, i) => [4 + ((end - 4) * (i + 1)) / COILS, y + (i % 2 ? 6 : -6)]);
+    const wall = [[4, y - 18], [4, y + 14]];
+    p.lines([wall, [[4, y], ...coils, [end, y]]], { colour: ink.quiet });
   }
 
   /* A stuck slider is filled and has teeth, so that you can see it without colour. */
-  function drawBlock(ctx, x, floor, isStuck) {
-    ctx.fillStyle = isStuck ? ink.second : ink.ground;
-    ctx.strokeStyle = ink.ink;
-    ctx.lineWidth = 2;
-    ctx.beginPath();
-    ctx.rect(x - 22, floor - 30, 44, 28);
-    ctx.fill();
-    ctx.stroke();
+  function drawBlock(p, x, floor, isStuck) {
+    const [left, right, top, bottom] = [x - 22, x + 22, floor - 30, floor - 2];
+    p.shade(left, right, isStuck ? ink.second : ink.ground, { top, bottom });
+    p.stroke((ctx) => ctx.rect(left, top, right - left, bottom - top), { width: 2 });
     if (!isStuck) return;
-    ctx.beginPath();
-    for (let i = -18; i <= 18; i += 6) {
-      ctx.moveTo(x + i, floor - 3);
-      ctx.lineTo(x + i, floor + 4);
-    }
-    ctx.stroke();
+    const teeth = [-18, -12, -6, 0, 6, 12, 18].map((at) => [[x + at, floor - 3], [x + at, floor + 4]]);
+    p.lines(teeth, { width: 2 });
   }
-
-  mass.begin = (canvas) => {
-    mass.pen = pen(canvas);
-  };
-
-  mass.fit = () => mass.pen.fit();
-
-  rub.mass = mass;
 })();

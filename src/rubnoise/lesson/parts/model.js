@@ -4,6 +4,7 @@
   const rub = (globalThis.rub ??= {});
   const { normalDensity, normalMass, panels, evenly, ordered } = rub.numbers;
   const { pulses, pulseOf } = rub.model;
+  const STEP = 1e-6; // of a mean diameter, for a slope
 
   /** Diameters Normal(mean, std), drawn again while not positive; std 0 makes them all equal. */
   class Sizes {
@@ -111,18 +112,6 @@
     }
   }
 
-  /** Return the least E[d^3] / d_m for unit std and where it lies: below it no diameter matches. */
-  function turning() {
-    const value = (mean) => new Sizes(mean, 1).moment(3) / mean;
-    let [low, high] = [0.5, 2];
-    for (let i = 0; i < 80; i += 1) {
-      const third = (high - low) / 3;
-      if (value(low + third) < value(high - third)) high -= third;
-      else low += third;
-    }
-    return { mean: low, value: value(low) };
-  }
-
   /**
    * Return d_m for a world, or NaN where `matched` has none: `paper` sqrt(A_rm / (0.327 N_jm)), for the lens alone,
    * `exact` with the pulse's own life mean, `matched` the larger root of N_jm lifeMean E[d^3] / d_m = A_rm.
@@ -137,16 +126,16 @@
     return matchedDiameter(wanted / lifeMean, world.spread);
   }
 
+  /* Newton's method from above: what is left is convex, and where it has no root there is a step down a falling branch. */
   function matchedDiameter(wanted, std) {
-    const least = turning();
-    if (least.value * std * std > wanted) return NaN;
-    let [low, high] = [least.mean * std, Math.sqrt(wanted)];
-    for (let i = 0; i < 100; i += 1) {
-      const middle = 0.5 * (low + high);
-      if (new Sizes(middle, std).moment(3) / middle > wanted) high = middle;
-      else low = middle;
+    const left = (mean) => new Sizes(mean, std).moment(3) / mean - wanted;
+    let mean = Math.sqrt(wanted);
+    for (let i = 0; i < 60; i += 1) {
+      const slope = (left(mean * (1 + STEP)) - left(mean)) / (STEP * mean);
+      if (!(slope > 0)) return NaN;
+      mean -= left(mean) / slope;
     }
-    return 0.5 * (low + high);
+    return Math.abs(left(mean)) < 1e-9 * wanted ? mean : NaN;
   }
 
   /**

@@ -2,11 +2,12 @@
 /* Pictures of which one is on show at a time: gaps between births, sizes, the spectrum, the memory. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, line, leftAxis, lowerAxis } = rub.plot;
+  const { ink, picture, DASHED } = rub.plot;
   const find = (id) => document.getElementById(id);
+  const BINS = 40;
+  const POINTS = 200; // of an exact curve
   const panels = { shown: 'gaps', exact: new Map() };
-
-  const box = () => ({ left: 52, top: 20, right: panels.pen.width - 10, bottom: panels.pen.height - 20 });
+  const EXACT = () => ({ colour: ink.exact, width: 2 });
 
   /** Compute something exact once for the settings as they are. */
   function once(name, f) {
@@ -14,139 +15,102 @@
     return panels.exact.get(name);
   }
 
-  /** Draw how often values fall into bins from low to high, as a density; return the scales. */
-  function bars(values, low, high, top, titles, colour) {
-    const bins = 40;
-    const counts = new Float64Array(bins);
-    const width = (high - low) / bins;
+  /** Draw how often values fall into bins from low to high, as a density. */
+  function bars(p, values, [low, high, below], top, title) {
+    const counts = new Float64Array(BINS);
+    const width = (high - low) / BINS;
     for (const value of values) if (value >= low && value < high) counts[Math.floor((value - low) / width)] += 1;
-    const { ctx } = panels.pen;
-    const [x, y] = [lowerAxis(ctx, box(), low, high, titles[1]), leftAxis(ctx, box(), 0, top, titles[0])];
-    ctx.fillStyle = colour;
-    const height = (i) => counts[i] / (Math.max(1, values.length) * width);
-    for (let i = 0; i < bins; i += 1) {
-      const up = y(Math.min(height(i), top));
-      ctx.fillRect(x(low + i * width), up, x(low + width) - x(low) - 1, y(0) - up);
-    }
-    return [x, y];
+    p.axes([0, top, title], [low, high, below]);
+    counts.forEach((count, i) => {
+      const up = p.y(Math.min(count / (Math.max(1, values.length) * width), top));
+      p.shade(p.x(low + i * width), p.x(low + (i + 1) * width) - 1, ink.band, { top: up, bottom: p.y(0) });
+    });
   }
 
-  function curve(f, low, high, x, y, top) {
+  /** Draw an exact density, where it gives nothing away. */
+  function law(p, f, [low, high], top, style) {
     if (rub.readout.veiled()) return;
-    const { ctx } = panels.pen;
-    ctx.strokeStyle = ink.exact;
-    ctx.lineWidth = 2;
-    const at = (i) => low + ((high - low) * i) / 200;
-    line(
-      ctx,
-      0,
-      200,
-      (i) => x(at(i)),
-      (i) => y(Math.min(top, f(at(i)))),
-    );
+    const at = (i) => low + ((high - low) * i) / POINTS;
+    const y = (i) => p.y(Math.min(top, f(at(i))));
+    p.curve(0, POINTS, (i) => p.x(at(i)), y, { ...EXACT(), ...style });
   }
 
-  function upright(at, x, y, top) {
-    if (rub.readout.veiled()) return;
-    const { ctx } = panels.pen;
-    ctx.strokeStyle = ink.exact;
-    ctx.lineWidth = 2;
-    ctx.beginPath();
-    ctx.moveTo(x(at), y(0));
-    ctx.lineTo(x(at), y(top));
-    ctx.stroke();
+  /** Draw all of a law at one place. */
+  function single(p, at) {
+    if (!rub.readout.veiled()) p.upright(p.x(at), EXACT());
   }
 
   /** Gaps between births, with the exponential law or, for regular births, their one gap. */
-  function gaps() {
+  function gaps(p) {
     const { spacing } = rub.exact();
     const { run } = rub;
-    const seen = [];
-    for (let i = run.after(0) + 1; i < run.after(run.reached); i += 1)
-      seen.push(run.rows[i].birth - run.rows[i - 1].birth);
+    const rows = run.rows.slice(run.after(0), run.after(run.reached));
+    const seen = rows.slice(1).map((row, i) => row.birth - rows[i].birth);
     const regular = rub.world.births === 'regular';
     const top = (regular ? 9 : 1.5) / spacing;
-    const [x, y] = bars(
-      seen,
-      0,
-      5 * spacing,
-      top,
-      [`density of ${seen.length} gaps, 1/µm`, 'gap between births, µm'],
-      ink.band,
-    );
-    if (regular) upright(spacing, x, y, top);
-    else curve((gap) => Math.exp(-gap / spacing) / spacing, 0, 5 * spacing, x, y, top);
+    const axis = [0, 5 * spacing, 'gap between births, µm'];
+    bars(p, seen, axis, top, `density of ${seen.length} gaps, 1/µm`);
+    if (regular) single(p, spacing);
+    else law(p, (gap) => Math.exp(-gap / spacing) / spacing, axis, top);
   }
 
   /** Diameters of those alive at every mean life, with their law and, dashed, the law of those born. */
-  function sizes() {
-    const { contact } = rub.exact();
-    const { liveDiameters } = rub.run.inspected();
-    const law = contact.sizes;
-    const reach = Math.max(4 * law.std, 0.1 * law.mean);
-    const [low, high] = [Math.max(0, law.mean - reach), law.mean + reach];
-    const top = law.std > 0 ? 1.5 * law.density(law.mean) : 2 / reach;
-    const titles = [`histogram of ${liveDiameters.length} samples of live junctions, 1/µm`, 'diameter, µm'];
-    const [x, y] = bars(liveDiameters, low, high, top, titles, ink.band);
-    if (law.std === 0) return upright(law.mean, x, y, top);
-    curve((d) => (d * law.density(d)) / law.moment(1), low, high, x, y, top);
-    panels.pen.ctx.setLineDash([5, 4]);
-    curve((d) => law.density(d), low, high, x, y, top);
-    return panels.pen.ctx.setLineDash([]);
+  function sizes(p) {
+    const { sizes: born } = rub.exact().contact;
+    const liveDiameters = rub.run.liveDiameters();
+    const reach = Math.max(4 * born.std, 0.1 * born.mean);
+    const axis = [Math.max(0, born.mean - reach), born.mean + reach, 'diameter, µm'];
+    const top = born.std > 0 ? 1.5 * born.density(born.mean) : 2 / reach;
+    bars(p, liveDiameters, axis, top, `histogram of ${liveDiameters.length} samples of live junctions, 1/µm`);
+    if (born.std === 0) return single(p, born.mean);
+    law(p, (d) => (d * born.density(d)) / born.moment(1), axis, top);
+    return law(p, (d) => born.density(d), axis, top, DASHED);
   }
 
+  /** Draw a line through points in the units of the axes. */
+  const draw = (p, points, style) => p.lines([points.map(([x, y]) => [p.x(x), p.y(y)])], style);
+
   /** The spectrum of the trace by Welch's method, and the exact one, both with logarithms. */
-  function spectrum() {
+  function spectrum(p) {
     const { contact, lines } = rub.exact();
+    const { births } = rub.world;
     const estimate = rub.estimates.spectrum();
     const [low, high] = [0.3 / contact.diameter, 60 / contact.diameter];
+    const logs = (k, density) => [Math.log10(k), Math.log10(density)];
     const points = once('spectrum', () => {
       const at = Array.from({ length: 240 }, (_, i) => low * (high / low) ** (i / 239));
-      return at.map((k) => [Math.log10(k), Math.log10(rub.exact().spectrum(k))]);
+      return at.map((k) => logs(k, rub.exact().spectrum(k)));
     });
     const zero = once('shot', () => Math.log10(rub.theory.shotDensity(contact, 0)));
-    const titles = ['log₁₀ of the spectral density, µm⁴ per rad/µm', 'log₁₀ of the wavenumber, rad/µm'];
-    const { ctx } = panels.pen;
-    const y = leftAxis(ctx, box(), zero - 7, zero + 0.7, titles[0]);
-    const x = lowerAxis(ctx, box(), Math.log10(low), Math.log10(high), titles[1]);
-    clipped(() => {
-      strokes(
-        estimate.wavenumber.map((k, i) => [Math.log10(k), Math.log10(estimate.density[i])]),
-        x,
-        y,
-        ink.ink,
-        1,
-      );
-      if (!rub.readout.veiled()) strokes(points, x, y, ink.exact, 2);
-      if (rub.world.births === 'poisson' && !rub.readout.veiled()) tail(x, y, 7 / contact.diameter, high);
-      if (rub.world.births === 'regular')
-        for (const each of lines().slice(0, 12)) upright(Math.log10(each.wavenumber), x, () => box().top + 8, 1);
+    const across = [Math.log10(low), Math.log10(high), 'log₁₀ of the wavenumber, rad/µm'];
+    p.axes([zero - 7, zero + 0.7, 'log₁₀ of the spectral density, µm⁴ per rad/µm'], across);
+    p.clipped(() => {
+      const seen = estimate.wavenumber.map((k, i) => logs(k, estimate.density[i]));
+      draw(p, seen, { width: 1 });
+      if (rub.readout.veiled()) return;
+      draw(p, points, EXACT());
+      if (births === 'poisson') tail(p, 7 / contact.diameter, high, logs);
+      if (births !== 'regular') return;
+      for (const { wavenumber } of lines().slice(0, 12)) {
+        const x = p.x(Math.log10(wavenumber));
+        p.upright(x, EXACT(), { top: p.box.top + 8, bottom: p.box.bottom });
+      }
     });
-    if (!estimate.segments) hint('the first estimate comes after ten lives');
+    const middle = 0.5 * (p.box.left + p.box.right);
+    if (!estimate.segments)
+      p.text('the first estimate comes after ten lives', middle, p.box.top + 30, 'center', 'bottom', ink.quiet);
   }
 
   /** The level about which the spectrum falls off at last, and its power of the wavenumber. */
-  function tail(x, y, from, to) {
-    const { ctx } = panels.pen;
-    const exact = rub.exact();
-    ctx.setLineDash([5, 4]);
-    strokes(
-      [from, to].map((k) => [Math.log10(k), Math.log10(exact.tail(k))]),
-      x,
-      y,
-      ink.ink,
-      1.2,
-    );
-    ctx.setLineDash([]);
-    ctx.fillStyle = ink.ink;
-    ctx.textAlign = 'left';
-    ctx.textBaseline = 'bottom';
-    const name = exact.tailPower === 5 ? 'k⁻⁵' : 'k⁻⁴';
-    ctx.fillText(name, x(Math.log10(from)) + 10, y(Math.log10(exact.tail(from))));
+  function tail(p, from, to, logs) {
+    const { tail: level, tailPower } = rub.exact();
+    const [first, last] = [from, to].map((k) => logs(k, level(k)));
+    draw(p, [first, last], { ...DASHED, width: 1.2 });
+    p.text(tailPower === 5 ? 'k⁻⁵' : 'k⁻⁴', p.x(first[0]) + 10, p.y(first[1]));
   }
 
   /** The autocovariance of the trace over its variance, and the exact one: nothing beyond one life. */
-  function memory() {
+  function memory(p) {
     const { lifeMean, autocovariance } = rub.exact();
     const estimate = rub.estimates.memory();
     const high = 1.3 * lifeMean;
@@ -155,78 +119,31 @@
       const values = lags.map(autocovariance);
       return lags.map((lag, i) => [lag, values[0] > 0 ? values[i] / values[0] : 0]);
     });
-    const { ctx } = panels.pen;
-    const y = leftAxis(ctx, box(), -0.5, 1.05, 'autocovariance over variance');
-    const x = lowerAxis(ctx, box(), 0, high, 'lag, µm');
-    clipped(() => {
-      strokes(
-        estimate.lag.map((lag, i) => [lag, estimate.value[i]]),
-        x,
-        y,
-        ink.ink,
-        1,
-      );
-      if (!rub.readout.veiled()) strokes(points, x, y, ink.exact, 2);
-      markLag(x, y);
+    p.axes([-0.5, 1.05, 'autocovariance over variance'], [0, high, 'lag, µm']);
+    p.clipped(() => {
+      const seen = estimate.lag.map((lag, i) => [lag, estimate.value[i]]);
+      draw(p, seen, { width: 1 });
+      if (!rub.readout.veiled()) draw(p, points, EXACT());
+      markLag(p);
     });
   }
 
   /** Mark the lag at which the trace lies over itself, and the correlation there so far. */
-  function markLag(x, y) {
-    const { ctx } = panels.pen;
-    const lag = rub.shifted.lag();
-    const value = rub.shifted.correlation();
-    ctx.strokeStyle = ctx.fillStyle = ink.accent;
-    ctx.lineWidth = 1.5;
-    ctx.beginPath();
-    ctx.moveTo(x(lag), y(-0.5));
-    ctx.lineTo(x(lag), y(1.05));
-    ctx.stroke();
-    if (!Number.isFinite(value)) return;
-    ctx.beginPath();
-    ctx.arc(x(lag), y(value), 4, 0, 2 * Math.PI);
-    ctx.fill();
-  }
-
-  function clipped(draw) {
-    const { ctx } = panels.pen;
-    const { left, top, right, bottom } = box();
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(left, top, right - left, bottom - top);
-    ctx.clip();
-    draw();
-    ctx.restore();
-  }
-
-  function strokes(points, x, y, colour, width) {
-    const { ctx } = panels.pen;
-    if (!points.length) return;
-    ctx.strokeStyle = colour;
-    ctx.lineWidth = width;
-    line(
-      ctx,
-      0,
-      points.length - 1,
-      (i) => x(points[i][0]),
-      (i) => y(points[i][1]),
-    );
-  }
-
-  function hint(text) {
-    const { ctx } = panels.pen;
-    ctx.fillStyle = ink.quiet;
-    ctx.textAlign = 'center';
-    ctx.fillText(text, 0.5 * (box().left + box().right), box().top + 30);
+  function markLag(p) {
+    const [x, value] = [p.x(rub.shifted.lag()), rub.shifted.correlation()];
+    p.upright(x, { colour: ink.accent });
+    if (Number.isFinite(value)) p.dot(x, p.y(value), ink.accent);
   }
 
   const DRAW = { gaps, sizes, spectrum, memory };
-
-  /** Draw the picture that is on show. */
-  panels.draw = () => {
-    panels.pen.clear();
-    DRAW[panels.shown]();
-  };
+  const shown = picture(
+    'panel-canvas',
+    (p) => {
+      p.frame(52, 10, 20, 20);
+      DRAW[panels.shown](p);
+    },
+    { slow: true },
+  );
 
   /** Show another picture. */
   panels.open = (name) => {
@@ -239,9 +156,8 @@
     }
     find('panel').setAttribute('aria-labelledby', `tab-${name}`);
     find('shift').hidden = name !== 'memory';
-    rub.shifted.fit();
-    panels.pen.fit();
-    panels.draw();
+    rub.fitAll();
+    shown.redraw();
   };
 
   /* As tabs are used everywhere: arrows go to the next one. */
@@ -256,18 +172,12 @@
   }
 
   panels.begin = () => {
-    panels.pen = pen(find('panel-canvas'));
     for (const tab of document.querySelectorAll('#tabs [role="tab"]')) {
       tab.addEventListener('click', () => panels.open(tab.dataset.panel));
     }
     find('tabs').addEventListener('keydown', press);
     rub.on('settings', () => panels.exact.clear());
     panels.open('gaps');
-  };
-
-  panels.fit = () => {
-    panels.pen.fit();
-    panels.draw();
   };
 
   rub.panels = panels;

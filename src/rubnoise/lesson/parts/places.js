@@ -42,14 +42,14 @@
    */
   function companions(row) {
     const { run } = rub;
-    const middle = row.birth + rub.model.halfLife(row.diameter, row.offset);
+    const middle = row.birth + rub.halfLife(row.diameter, row.offset);
     const found = [];
     for (let i = run.after(row.birth - run.longest); i < run.rows.length; i += 1) {
       const other = run.rows[i];
       if (other.birth > row.death) break;
       const at = other !== row && other.death > row.birth && places.get(other.id);
       if (!at) continue;
-      const along = 0.5 * (middle - other.birth - rub.model.halfLife(other.diameter, other.offset));
+      const along = 0.5 * (middle - other.birth - rub.halfLife(other.diameter, other.offset));
       const radii = 0.5 * (row.diameter + other.diameter);
       found.push({ x: at[0], y: at[1], along, across: 0.5 * (other.offset - row.offset), square: radii * radii });
     }

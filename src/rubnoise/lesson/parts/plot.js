@@ -1,5 +1,5 @@
 'use strict';
-/* What all pictures share: a canvas as sharp as the screen, colours of the theme, axes, lines. */
+/* What all pictures share: a canvas as sharp as the screen, colours of the theme, axes, lines, and fingers on them. */
 (() => {
   const rub = (globalThis.rub ??= {});
   const INKS = ['ink', 'quiet', 'faint', 'ground', 'accent', 'exact', 'band', 'birth', 'death', 'second', 'stuck'];
@@ -21,6 +21,7 @@
     ],
   };
   const SHADES = 64;
+  const LEFT = 46; // pixels for the numbers of an axis
   const DUST = 1e-12; // what rounding leaves where a law says nothing
   const ink = {};
   let shades = [];
@@ -51,25 +52,6 @@
     return shades[Math.max(0, Math.min(SHADES - 1, Math.floor(part * SHADES)))];
   }
 
-  /** Fit a canvas to its place on the page; return a pen for it, with its width and height and those of its pixels. */
-  function pen(canvas) {
-    const state = { canvas, ctx: canvas.getContext('2d'), width: 0, height: 0, scale: 1, zoom: 1 };
-    state.fit = () => {
-      state.zoom = zoom;
-      state.scale = zoom * Math.min(window.devicePixelRatio || 1, 2);
-      state.width = canvas.clientWidth / zoom;
-      state.height = canvas.clientHeight / zoom;
-      canvas.width = Math.max(1, Math.round(state.width * state.scale));
-      canvas.height = Math.max(1, Math.round(state.height * state.scale));
-    };
-    state.clear = () => {
-      state.ctx.setTransform(state.scale, 0, 0, state.scale, 0, 0);
-      state.ctx.clearRect(0, 0, state.width, state.height);
-    };
-    state.fit();
-    return state;
-  }
-
   /** Return round numbers from low to high, about so many. */
   function roundNumbers(low, high, about) {
     const rough = (high - low) / about;
@@ -95,67 +77,178 @@
     return number.includes('.') ? number.replace(/\.?0+$/, '') : number;
   }
 
-  /** Draw a line through points of columns; x and y take an index. */
-  function line(ctx, from, to, x, y) {
-    ctx.beginPath();
-    for (let i = from; i <= to; i += 1) {
-      if (i === from) ctx.moveTo(x(i), y(i));
-      else ctx.lineTo(x(i), y(i));
-    }
-    ctx.stroke();
-  }
-
-  /** Draw the frame of a picture: numbers on the left, and a title as by heading. box = {left, top, right, bottom}. */
-  function leftAxis(ctx, box, low, high, title) {
-    const y = (value) => box.bottom - ((value - low) / (high - low)) * (box.bottom - box.top);
-    ctx.font = font(0.72);
-    ctx.textAlign = 'right';
-    ctx.textBaseline = 'middle';
-    ctx.lineWidth = 1;
-    for (const value of roundNumbers(low, high, Math.max(3, (box.bottom - box.top) / 40))) {
-      ctx.strokeStyle = ink.faint;
-      ctx.beginPath();
-      ctx.moveTo(box.left, Math.round(y(value)) + 0.5);
-      ctx.lineTo(box.right, Math.round(y(value)) + 0.5);
-      ctx.stroke();
-      ctx.fillStyle = ink.quiet;
-      ctx.fillText(said(value), box.left - 5, y(value));
-    }
-    heading(ctx, box, title);
-    return y;
-  }
-
-  /** Write the title of a picture into its upper left corner: of several ones the first that fits, or the last. */
-  function heading(ctx, box, titles) {
-    ctx.font = font(0.78);
-    ctx.textAlign = 'left';
-    ctx.textBaseline = 'bottom';
-    ctx.fillStyle = ink.ink;
-    ctx.fillText(fitting(ctx, titles, box.right - box.left), box.left, box.top - 4);
-  }
-
   /** Return the first of some titles that fits into a width, or the last. */
   function fitting(ctx, titles, width) {
     const all = [titles].flat();
     return all.find((title) => !(ctx.measureText(title).width > width)) ?? all.at(-1);
   }
 
-  /** Draw numbers below a picture, and what they count. */
-  function lowerAxis(ctx, box, low, high, titles) {
-    const x = (value) => box.left + ((value - low) / (high - low)) * (box.right - box.left);
-    ctx.font = font(0.72);
-    ctx.textAlign = 'center';
-    ctx.textBaseline = 'top';
-    ctx.fillStyle = ink.quiet;
-    const title = fitting(ctx, titles, 0.6 * (box.right - box.left));
-    const end = box.right - ctx.measureText(title).width - 16;
-    for (const value of roundNumbers(low, high, Math.max(2, (box.right - box.left) / 90))) {
-      if (x(value) > box.left - 1 && x(value) < end) ctx.fillText(said(value), x(value), box.bottom + 3);
+  const pictures = [];
+
+  /**
+   * A picture on a canvas. Places are pixels of the page; x and y take values of the axes to them. A style has a colour, a
+   * width and dashes.
+   */
+  class Picture {
+    constructor(canvas, draw) {
+      Object.assign(this, { canvas, draw, ctx: canvas.getContext('2d'), width: 0, height: 0, scale: 1, zoom: 1 });
+      this.fit();
     }
-    ctx.textAlign = 'right';
-    ctx.fillText(title, box.right, box.bottom + 3);
-    return x;
+
+    /** Fit the canvas to its place on the page, as sharp as the screen. */
+    fit() {
+      const { canvas } = this;
+      this.zoom = zoom;
+      this.scale = zoom * Math.min(window.devicePixelRatio || 1, 2);
+      this.width = canvas.clientWidth / zoom;
+      this.height = canvas.clientHeight / zoom;
+      canvas.width = Math.max(1, Math.round(this.width * this.scale));
+      canvas.height = Math.max(1, Math.round(this.height * this.scale));
+    }
+
+    /** Draw anew, if the picture is in sight. */
+    redraw(seen) {
+      if (!this.width) return;
+      this.ctx.setTransform(this.scale, 0, 0, this.scale, 0, 0);
+      this.ctx.clearRect(0, 0, this.width, this.height);
+      this.draw(this, seen);
+    }
+
+    /** Leave so many pixels around what is drawn. */
+    frame(left = LEFT, right = 8, top = 18, bottom = 18) {
+      this.box = { left, top, right: this.width - right, bottom: this.height - bottom };
+      return this.box;
+    }
+
+    /** Draw numbers on the left, and a title as by heading. */
+    up(low, high, title) {
+      const { ctx, box } = this;
+      this.y = (value) => box.bottom - ((value - low) / (high - low)) * (box.bottom - box.top);
+      ctx.font = font(0.72);
+      for (const value of roundNumbers(low, high, Math.max(3, (box.bottom - box.top) / 40))) {
+        this.level(Math.round(this.y(value)) + 0.5, { colour: ink.faint, width: 1 });
+        this.text(said(value), box.left - 5, this.y(value), 'right', 'middle', ink.quiet);
+      }
+      this.heading(title);
+    }
+
+    /** Draw numbers below, and what they count. */
+    across(low, high, titles, box = this.box) {
+      const { ctx } = this;
+      this.x = (value) => box.left + ((value - low) / (high - low)) * (box.right - box.left);
+      ctx.font = font(0.72);
+      const title = fitting(ctx, titles, 0.6 * (box.right - box.left));
+      const end = box.right - ctx.measureText(title).width - 16;
+      for (const value of roundNumbers(low, high, Math.max(2, (box.right - box.left) / 90))) {
+        const x = this.x(value);
+        if (x > box.left - 1 && x < end) this.text(said(value), x, box.bottom + 3, 'center', 'top', ink.quiet);
+      }
+      this.text(title, box.right, box.bottom + 3, 'right', 'top', ink.quiet);
+    }
+
+    /** Draw both axes. */
+    axes([low, high, title], [from, to, titles]) {
+      this.up(low, high, title);
+      this.across(from, to, titles);
+    }
+
+    /** Write the title into the upper left corner: of several ones the first that fits, or the last. */
+    heading(titles, { left, right, top } = this.box) {
+      this.ctx.font = font(0.78);
+      this.text(fitting(this.ctx, titles, right - left), left, top - 4);
+    }
+
+    text(text, x, y, align = 'left', baseline = 'bottom', colour = ink.ink) {
+      Object.assign(this.ctx, { textAlign: align, textBaseline: baseline, fillStyle: colour });
+      this.ctx.fillText(text, x, y);
+    }
+
+    /** Stroke what a function outlines. */
+    stroke(outline, { colour = ink.ink, width = 1.5, dash = [] } = {}) {
+      const { ctx } = this;
+      Object.assign(ctx, { strokeStyle: colour, lineWidth: width, lineJoin: 'round' });
+      ctx.setLineDash(dash);
+      ctx.beginPath();
+      outline(ctx);
+      ctx.stroke();
+      ctx.setLineDash([]);
+    }
+
+    /** Draw a line through points; x and y take an index. */
+    curve(from, to, x, y, style) {
+      this.stroke((ctx) => {
+        for (let i = from; i <= to; i += 1) ctx.lineTo(x(i), y(i));
+      }, style);
+    }
+
+    /** Draw lines, each through some places [x, y]. */
+    lines(lines, style) {
+      this.stroke((ctx) => {
+        for (const line of lines) line.forEach(([x, y], i) => (i ? ctx.lineTo(x, y) : ctx.moveTo(x, y)));
+      }, style);
+    }
+
+    level(y, style, { left, right } = this.box) {
+      this.lines([[[left, y], [right, y]]], style);
+    }
+
+    upright(x, style, { top, bottom } = this.box) {
+      this.lines([[[x, top], [x, bottom]]], style);
+    }
+
+    /** Fill the frame from one place to another. */
+    shade(left, right, colour, { top, bottom } = this.box) {
+      this.ctx.fillStyle = colour;
+      this.ctx.fillRect(left, top, right - left, bottom - top);
+    }
+
+    dot(x, y, colour, radius = 4) {
+      this.ctx.fillStyle = colour;
+      this.ctx.beginPath();
+      this.ctx.arc(x, y, radius, 0, 2 * Math.PI);
+      this.ctx.fill();
+    }
+
+    circle(x, y, radius, style) {
+      this.stroke((ctx) => ctx.arc(x, y, radius, 0, 2 * Math.PI), style);
+    }
+
+    /** Draw within the frame what may leave it. */
+    clipped(draw, { left, top, right, bottom } = this.box) {
+      const { ctx } = this;
+      ctx.save();
+      ctx.beginPath();
+      ctx.rect(left, top, right - left, bottom - top);
+      ctx.clip();
+      draw();
+      ctx.restore();
+    }
   }
 
-  rub.plot = { ink, readTheme, colourOf, pen, roundNumbers, said, line, leftAxis, lowerAxis, heading };
+  /** Make a picture that is drawn in every frame; a slow one some times a second; fitted is called after it is fitted. */
+  function picture(id, draw, { slow = false, fitted = () => {} } = {}) {
+    const made = Object.assign(new Picture(document.getElementById(id), draw), { slow, fitted });
+    pictures.push(made);
+    return made;
+  }
+
+  /* Dashes of what has been seen so far, beside what is exact. */
+  const DASHED = { dash: [5, 4] };
+
+  /** Let a pointer that is down on an element be followed: down returns whether it is, and move is called on the way. */
+  function dragging(element, down, move) {
+    let isHeld = false;
+    element.addEventListener('pointerdown', (event) => {
+      isHeld = down(event) !== false;
+      if (isHeld) event.target.setPointerCapture(event.pointerId);
+    });
+    element.addEventListener('pointermove', (event) => isHeld && move(event));
+    for (const name of ['pointerup', 'pointercancel']) {
+      element.addEventListener(name, () => {
+        isHeld = false;
+      });
+    }
+  }
+
+  rub.plot = { ink, readTheme, colourOf, roundNumbers, said, Picture, picture, pictures, dragging, DASHED };
 })();

@@ -3,27 +3,16 @@
 (() => {
   const rub = (globalThis.rub ??= {});
   const { gauss, pieces, polynomial } = rub.numbers;
-  const { rising, edges, lags, lives } = rub.tables;
+  const { edges, lags, lives } = rub.tables;
   const FAR = edges.at(-1);
   const CELL = gauss(4);
-  const risingSum = rising.map((c, n) => c / (n + 2.5));
 
-  /** Area of the lens: A = d^2 a(s/d), a(u) = (acos(1 - u) - (1 - u) sqrt(u (2 - u))) / 2 and its mirror image. */
-  function lensArea(sinceBirth, diameter) {
-    const u = Math.min(sinceBirth, 2 * diameter - sinceBirth) / diameter;
-    return u > 0 ? diameter * diameter * u * Math.sqrt(u) * polynomial(rising, u) : 0;
-  }
-
-  /** Integral of the lens from its birth on, in um^3: d^3 times the antiderivative, mirrored after mid-life. */
+  /** Integral of the lens from its birth on, in um^3: of (acos x - x sqrt(1 - x^2)) / 2, mirrored after mid-life. */
   function lensSum(sinceBirth, diameter) {
-    const u = Math.min(sinceBirth, 2 * diameter - sinceBirth) / diameter;
-    const half = u > 0 ? u * u * Math.sqrt(u) * polynomial(risingSum, u) : 0;
+    const x = Math.min(1, Math.abs(diameter - sinceBirth) / diameter);
+    const root = Math.sqrt((1 - x) * (1 + x));
+    const half = 0.5 * (root - root ** 3 / 3 - x * Math.acos(x));
     return diameter ** 3 * (sinceBirth <= diameter ? half : 2 / 3 - half);
-  }
-
-  /** Area of Rabinowicz's triangle: (pi/4) d (d - |d - s|). */
-  function triangleArea(sinceBirth, diameter) {
-    return Math.max(0, 0.25 * Math.PI * diameter * Math.min(sinceBirth, 2 * diameter - sinceBirth));
   }
 
   /** Integral of the triangle from its birth on, in um^3. */
@@ -33,35 +22,17 @@
     return diameter ** 3 * (sinceBirth <= diameter ? half : Math.PI / 4 - half);
   }
 
-  /** Area of the parabola, which rough surfaces have: (pi/4) s (2d - s). */
-  function parabolaArea(sinceBirth, diameter) {
-    return Math.max(0, 0.25 * Math.PI * sinceBirth * (2 * diameter - sinceBirth));
-  }
-
   /** Integral of the parabola from its birth on, in um^3. */
   function parabolaSum(sinceBirth, diameter) {
     const s = Math.min(Math.max(0, sinceBirth), 2 * diameter);
     return (Math.PI / 4) * s * s * (diameter - s / 3);
   }
 
-  /** Return how far a junction slides from birth to mid-life: d, or sqrt(d^2 - b^2). */
-  const halfLife = (diameter, offset) => (offset ? Math.sqrt((diameter - offset) * (diameter + offset)) : diameter);
+  const missedArea = rub.areaOf('lens');
 
-  /**
-   * Area of two circles that miss each other's centre by a lateral offset b, uniform on (-d, d): d^2 L(r), r =
-   * sqrt(x^2 + b^2)/d, that of a lens whose circles are as far apart.
-   */
-  function missedArea(sinceBirth, diameter, offset) {
-    const life = 2 * halfLife(diameter, offset);
-    const left = Math.min(sinceBirth, life - sinceBirth);
-    if (!(left > 0)) return 0;
-    const rest = (left * (life - left)) / diameter ** 2; // 1 - r^2
-    return lensArea((diameter * rest) / (1 + Math.sqrt(Math.max(0, 1 - rest))), diameter);
-  }
-
-  /** Integral of that area between two ages, in um^3, by a Gauss rule on either side of mid-life. */
+  /** Integral between two ages of the area of circles that miss each other's centre, in um^3, by a Gauss rule. */
   function missedBetween(from, to, diameter, offset) {
-    const middle = halfLife(diameter, offset);
+    const middle = rub.halfLife(diameter, offset);
     if (from < middle && middle < to) {
       return missedBetween(from, middle, diameter, offset) + missedBetween(middle, to, diameter, offset);
     }
@@ -112,16 +83,12 @@
     return { ...table, overlap: pieces(lags, overlap), energy: value, meanSquare };
   }
 
-  const lens = { area: lensArea, sum: lensSum, ...throughCentres(lives.lens) };
+  const life = (shape, sum) => ({ area: rub.areaOf(shape), sum, ...throughCentres(lives[shape]) });
+  const lens = life('lens', lensSum);
   const pulses = {
     lens,
-    triangle: { area: triangleArea, sum: triangleSum, ...throughCentres(lives.triangle) },
-    parabola: {
-      area: parabolaArea,
-      sum: parabolaSum,
-      shareBelow: (t) => 1 - Math.sqrt(1 - t ** 3),
-      ...throughCentres(lives.parabola),
-    },
+    triangle: life('triangle', triangleSum),
+    parabola: { ...life('parabola', parabolaSum), shareBelow: (t) => 1 - Math.sqrt(1 - t ** 3) },
     offCentre: {
       area: missedArea,
       between: missedBetween,
@@ -135,5 +102,5 @@
   /** Return the pulse of a world. */
   const pulseOf = ({ pulse, offset }) => (offset === 'uniform' ? pulses.offCentre : pulses[pulse]);
 
-  rub.model = { pulses, pulseOf, halfLife };
+  rub.model = { pulses, pulseOf };
 })();

@@ -44,7 +44,7 @@
 
     junction(id, diameter, offset) {
       const birth = this.next;
-      const death = birth + 2 * rub.model.halfLife(diameter, offset);
+      const death = birth + 2 * rub.halfLife(diameter, offset);
       return { id, birth, diameter, offset, death, strength: this.world.strength };
     }
 
@@ -70,7 +70,7 @@
           birth: b,
           diameter: diameter[id],
           offset: offset ? offset[id] : 0,
-          death: death ? death[id] : b + 2 * rub.model.halfLife(diameter[id], offset ? offset[id] : 0),
+          death: death ? death[id] : b + 2 * rub.halfLife(diameter[id], offset ? offset[id] : 0),
           strength: strength ? strength[id] : world.strength,
         };
       });

@@ -79,22 +79,15 @@
     },
 
     begin(world, contact) {
-      const source = rub.replaying
-        ? new rub.model.Replay(rub.lesson.record, world)
-        : new rub.model.Births({ ...world });
       const record = rub.replaying ? rub.lesson.record : null;
+      const source = record ? new rub.model.Replay(record, world) : new rub.model.Births({ ...world });
       const tick = record ? record.tick : contact.meanLife / TICKS_PER_LIFE;
       const most = Math.min(rub.lesson.distance, MOST_LIVES * contact.meanLife, MOST_ROWS * contact.spacing);
       this.end = record ? record.distance : most;
       this.longest = source.longest;
       this.window = 4 * contact.meanLife;
-      this.trace = new rub.Trace(
-        { ...world },
-        source,
-        tick,
-        Math.floor(this.end / tick + 1e-9),
-        startOf(world, contact),
-      );
+      const last = Math.floor(this.end / tick + 1e-9);
+      this.trace = new rub.Trace({ ...world }, source, tick, last, startOf(world, contact));
       this.distance = 0;
       this.reached = 0;
       this.selected = -1;
@@ -129,45 +122,28 @@
 
     goOn() {
       this.chase(this.goal, FRAME_WORK);
-      this.prepare(this.distance);
-      this.liveAt(this.distance, this.living);
-      rub.emit('tick', this.distance);
+      this.passed();
     },
 
     /** Let a slider that pushes back go on for seconds of its own time; what is too much for a frame is left out. */
     slideFor(seconds) {
-      const from = this.reached;
       const wanted = this.time + seconds;
       this.motion.until({ time: wanted, work: FRAME_WORK });
       this.moveTo(wanted);
-      this.passed(from);
+      this.passed();
     },
 
-    /** Slide forward to a distance, and emit every birth and death on the way. */
+    /** Slide forward to a distance. */
     slideTo(distance) {
-      const from = this.reached;
       if (this.motion) this.chase(Math.min(distance, this.end), JUMP_WORK);
       else this.distance = this.reached = distance;
-      this.passed(from);
+      this.passed();
     },
 
-    passed(from) {
+    passed() {
       this.prepare(this.reached);
-      if (rub.heard('death')) this.tellDeaths(from, this.reached);
-      if (rub.heard('birth')) this.tellBirths(from, this.reached);
       this.liveAt(this.distance, this.living);
       rub.emit('tick', this.distance);
-    },
-
-    /* No junction is born or dies twice where the slider runs back: it is the farthest place that counts. */
-    tellDeaths(from, distance) {
-      for (const row of this.liveAt(from)) if (row.death <= distance) rub.emit('death', row);
-    },
-
-    tellBirths(from, distance) {
-      for (let i = this.after(from); i < this.rows.length && this.rows[i].birth <= distance; i += 1) {
-        rub.emit('birth', this.rows[i]);
-      }
     },
 
     /* Junctions that are about to meet are on the stage before they touch. */
@@ -182,10 +158,7 @@
       const wanted = Math.min(Math.max(0, distance), this.end);
       if (this.motion) this.chase(wanted, JUMP_WORK);
       else this.distance = this.reached = wanted;
-      this.prepare(this.reached);
-      this.liveAt(this.distance, this.living);
-      rub.emit('jump', this.distance);
-      rub.emit('tick', this.distance);
+      this.passed();
     },
 
     /** Go on to the next birth or death and stop there; return the kind and the row, or null at the end. */
@@ -233,11 +206,6 @@
         if (row.death > distance) into.push(row);
       }
       return into;
-    },
-
-    /** Return the rows that are alive now. */
-    live() {
-      return this.living.slice();
     },
 
     /** Return the number of the last tick that has been passed. */

@@ -2,12 +2,12 @@
 /* The same from the side: a cut through both surfaces along the dotted line of the stage, and the hills that meet. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, heading, colourOf } = rub.plot;
+  const { ink, picture, colourOf } = rub.plot;
   const STEP = 2; // pixels
   const FLANK = 0.3; // of a diameter, from a hill's flat top down to its foot
   const APART = 3; // pixels between the middle and a top that touches nothing
   const TITLES = ['from the side, cut along the dotted line: tops that meet are junctions', 'from the side'];
-  const section = { pen: null };
+  const section = {};
 
   /** Return half of the chord that a cut so far from the centre has in a circle; 0 where it misses. */
   const halfChord = (diameter, away) => 0.5 * Math.sqrt(Math.max(0, diameter ** 2 - 4 * away ** 2));
@@ -51,10 +51,8 @@
   }
 
   /** Draw both surfaces, and in the colours of the stage where they touch. */
-  section.draw = () => {
-    const { ctx, width, height: high } = section.pen;
-    if (!width) return;
-    section.pen.clear();
+  function draw(p) {
+    const { width, height: high } = p;
     const top = 18;
     const middle = 0.5 * (top + high);
     const all = hills();
@@ -62,39 +60,35 @@
     const shift = rub.run.distance * rub.stage.scale;
     const below = heights(width, all, 'below', 0);
     const above = heights(width, all, 'above', shift);
-    surface(ctx, width, high - 1, ink.quiet, (i) => middle + APART + foot * (1 - below[i]));
-    surface(ctx, width, top, ink.second, (i) => middle - APART - foot * (1 - above[i]));
-    for (const hill of all) touch(ctx, hill, middle);
-    heading(ctx, { left: 0, top, right: width }, TITLES);
-  };
+    surface(p, high - 1, ink.quiet, (i) => middle + APART + foot * (1 - below[i]));
+    surface(p, top, ink.second, (i) => middle - APART - foot * (1 - above[i]));
+    for (const hill of all) touch(p, hill, middle);
+    p.heading(TITLES, { left: 0, top, right: width });
+  }
 
-  function surface(ctx, width, edge, colour, y) {
-    ctx.beginPath();
-    ctx.moveTo(0, edge);
-    for (let i = 0; i <= Math.ceil(width / STEP); i += 1) ctx.lineTo(i * STEP, y(i));
-    ctx.lineTo(width, edge);
-    ctx.closePath();
+  function surface(p, edge, colour, y) {
+    const { ctx, width } = p;
     ctx.fillStyle = ink.faint;
-    ctx.fill();
-    ctx.strokeStyle = colour;
-    ctx.lineWidth = 1.2;
-    ctx.stroke();
+    p.stroke(
+      () => {
+        ctx.moveTo(0, edge);
+        for (let i = 0; i <= Math.ceil(width / STEP); i += 1) ctx.lineTo(i * STEP, y(i));
+        ctx.lineTo(width, edge);
+        ctx.closePath();
+        ctx.fill();
+      },
+      { colour, width: 1.2 },
+    );
   }
 
-  function touch(ctx, { below, above, halfBelow, halfAbove, part }, middle) {
+  function touch(p, { below, above, halfBelow, halfAbove, part }, middle) {
     const left = Math.max(below - halfBelow, above - halfAbove);
-    const wide = Math.min(below + halfBelow, above + halfAbove) - left;
-    if (wide <= 0 || !halfBelow || !halfAbove) return;
-    ctx.fillStyle = colourOf(part);
-    ctx.fillRect(left, middle - APART - 1, wide, 2 * APART + 2);
+    const right = Math.min(below + halfBelow, above + halfAbove);
+    if (right <= left || !halfBelow || !halfAbove) return;
+    p.shade(left, right, colourOf(part), { top: middle - APART - 1, bottom: middle + APART + 1 });
   }
 
-  section.begin = (canvas) => {
-    section.pen = pen(canvas);
-  };
-
-  section.fit = () => section.pen.fit();
-
+  section.picture = picture('section', draw);
   section.hills = hills;
   rub.section = section;
 })();

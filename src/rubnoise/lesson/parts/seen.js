@@ -1,5 +1,5 @@
 'use strict';
-/* What has been seen of a run so far: means and spreads from running sums, and lists from the rows. */
+/* What has been seen of a run so far: means and spreads from running sums, and who was alive. */
 (() => {
   const rub = (globalThis.rub ??= {});
 
@@ -32,38 +32,14 @@
     };
   }
 
-  /** Return the rows born since the start and passed by now. */
-  function born() {
+  /** Look at the contact once every mean life, and return the diameters of those alive there, in um. */
+  function liveDiameters() {
     const { run } = rub;
-    return run.rows.slice(run.after(0), run.after(run.reached));
-  }
-
-  /** Look at the contact once every mean life: who is alive there, and how old. */
-  function inspected() {
-    const { run } = rub;
-    const stride = rub.exact().lifeMean;
-    const found = { liveDiameters: [], ages: [], lives: [], counts: [] };
-    for (let place = 0; place <= run.reached; place += stride) {
-      const live = run.liveAt(place);
-      found.counts.push(live.length);
-      for (const row of live) {
-        found.liveDiameters.push(row.diameter);
-        found.ages.push(place - row.birth);
-        found.lives.push(2 * rub.model.halfLife(row.diameter, row.offset));
-      }
-    }
+    const found = [];
+    for (let place = 0; place <= run.reached; place += rub.exact().lifeMean)
+      for (const row of run.liveAt(place)) found.push(row.diameter);
     return found;
   }
 
-  /**
-   * Return everything seen so far. Lists: gaps between births (um), diameters at birth, and, once every mean life,
-   * liveDiameters, ages and lives of those alive (um) and the counts.
-   */
-  rub.run.seen = () => {
-    const rows = born();
-    const gaps = rows.slice(1).map((row, i) => row.birth - rows[i].birth);
-    return { ...moments(), births: rows.length, gaps, diameters: rows.map((row) => row.diameter), ...inspected() };
-  };
-
-  Object.assign(rub.run, { moments, inspected });
+  Object.assign(rub.run, { moments, liveDiameters });
 })();

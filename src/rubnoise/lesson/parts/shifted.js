@@ -2,7 +2,7 @@
 /* The trace over itself: the real contact area, and the same curve moved on by a lag that the student chooses. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, line, leftAxis, lowerAxis, heading, said } = rub.plot;
+  const { ink, picture, said, DASHED } = rub.plot;
   const LAG = 0.25; // lives, at the beginning
   const DOTS = 400;
   const APART = 1 / 8; // of a life from one dot to the next
@@ -16,38 +16,24 @@
   /** Return the lag in um. */
   shifted.lag = () => shifted.ticks() * rub.run.trace.tick;
 
-  /** Draw both curves, what they have in common shaded, and beside them each value over its partner. */
-  shifted.draw = (seen) => {
-    if (!shifted.pen.width) return;
-    const { ctx } = shifted.pen;
-    shifted.pen.clear();
-    const box = rub.traces.boxOf(shifted.pen);
+  /** Draw both curves, and shaded what they have in common. */
+  function draw(p, seen) {
+    p.frame();
     const [from, to] = rub.traces.stretch();
-    const y = leftAxis(ctx, box, 0, rub.traces.topArea(), TITLES);
-    const x = lowerAxis(ctx, box, from, to, 'sliding distance, µm');
-    drawShared(ctx, x, box, from, seen.areaMean);
-    rub.traces.level(ctx, box, y(seen.areaMean), ink.ink, [5, 4]);
-    rub.traces.clipped(ctx, box, () => {
-      drawCurve(ctx, x, y, from, shifted.ticks(), ink.accent, 2.5);
-      drawCurve(ctx, x, y, from, 0, ink.ink, 1.5);
+    p.axes([0, rub.traces.topArea(), TITLES], [from, to, 'sliding distance, µm']);
+    drawShared(p, from, seen.areaMean);
+    p.level(p.y(seen.areaMean), DASHED);
+    p.clipped(() => {
+      drawCurve(p, from, shifted.ticks(), { colour: ink.accent, width: 2.5 });
+      drawCurve(p, from, 0);
     });
-    drawPairs(seen.areaMean);
-  };
+  }
 
-  function drawCurve(ctx, x, y, from, ticks, colour, width) {
+  function drawCurve(p, from, ticks, style) {
     const { trace, ticksSeen } = rub.run;
     const first = Math.max(0, Math.floor(from / trace.tick) - ticks);
-    if (ticksSeen - ticks < first) return;
-    ctx.strokeStyle = colour;
-    ctx.lineWidth = width;
-    ctx.lineJoin = 'round';
-    line(
-      ctx,
-      first,
-      ticksSeen - ticks,
-      (i) => x((i + ticks) * trace.tick),
-      (i) => y(trace.area[i]),
-    );
+    const [x, y] = [(i) => p.x((i + ticks) * trace.tick), (i) => p.y(trace.area[i])];
+    p.curve(first, ticksSeen - ticks, x, y, style);
   }
 
   /** Return whether both curves are on one side of the mean at a tick. */
@@ -56,47 +42,39 @@
     return (area[i] - mean) * (area[i - ticks] - mean) > 0;
   }
 
-  function drawShared(ctx, x, box, from, mean) {
+  function drawShared(p, from, mean) {
     const { trace, ticksSeen } = rub.run;
     const ticks = shifted.ticks();
-    ctx.fillStyle = ink.band;
     let begin = -1;
     for (let i = Math.max(ticks, Math.ceil(from / trace.tick)); i <= ticksSeen + 1; i += 1) {
       const isShared = i <= ticksSeen && agree(i, ticks, mean);
       if (isShared && begin < 0) begin = i;
       if (isShared || begin < 0) continue;
-      ctx.fillRect(x(begin * trace.tick), box.top, x(i * trace.tick) - x(begin * trace.tick), box.bottom - box.top);
+      p.shade(p.x(begin * trace.tick), p.x(i * trace.tick), ink.band);
       begin = -1;
     }
   }
 
   /** Draw a dot for each value over the one a lag before, on equal axes. */
-  function drawPairs(mean) {
-    const { ctx, width, height } = shifted.pairs;
-    if (!width) return;
-    shifted.pairs.clear();
+  function drawPairs(p, { areaMean }) {
+    const { ctx, width, height } = p;
     const side = Math.min(width - 12, height - 40);
-    const box = { left: 8, top: 18, right: 8 + side, bottom: 18 + side };
+    const box = p.frame(8, width - 8 - side, 18, height - 18 - side);
     const { trace, ticksSeen } = rub.run;
     const at = (area) => (Math.min(area, rub.traces.topArea()) / rub.traces.topArea()) * side;
-    ctx.strokeStyle = ink.faint;
-    ctx.lineWidth = 1;
-    ctx.strokeRect(box.left, box.top, side, side);
-    rub.traces.level(ctx, box, box.bottom - at(mean), ink.quiet, [5, 4]);
-    ctx.fillStyle = ink.ink;
+    p.stroke(() => ctx.rect(box.left, box.top, side, side), { colour: ink.faint, width: 1 });
+    p.level(box.bottom - at(areaMean), { ...DASHED, colour: ink.quiet });
     ctx.globalAlpha = 0.5;
     const ticks = shifted.ticks();
     const stride = Math.max(1, Math.round((APART * rub.exact().lifeMean) / trace.tick));
     const last = ticksSeen - (ticksSeen % stride);
     for (let i = last, dots = 0; i >= ticks && dots < DOTS; i -= stride, dots += 1) {
-      ctx.fillRect(box.left + at(trace.area[i - ticks]) - 1, box.bottom - at(trace.area[i]) - 1, 2.5, 2.5);
+      const [x, y] = [box.left + at(trace.area[i - ticks]), box.bottom - at(trace.area[i])];
+      p.shade(x - 1, x + 1.5, ink.ink, { top: y - 1, bottom: y + 1.5 });
     }
     ctx.globalAlpha = 1;
-    heading(ctx, box, 'area here');
-    ctx.fillStyle = ink.quiet;
-    ctx.textAlign = 'right';
-    ctx.textBaseline = 'top';
-    ctx.fillText('a lag before', box.right, box.bottom + 3);
+    p.heading('area here');
+    p.text('a lag before', box.right, box.bottom + 3, 'right', 'top', ink.quiet);
   }
 
   /** Write the lag and, where that gives nothing away, how strongly the curves are correlated so far. */
@@ -117,8 +95,7 @@
     return value[i] + (shifted.lag() / step - i) * (value[i + 1] - value[i]);
   };
 
-  shifted.begin = (canvas, pairs) => {
-    Object.assign(shifted, { pen: pen(canvas), pairs: pen(pairs) });
+  shifted.begin = () => {
     find('lag').value = LAG;
     find('lag').addEventListener('input', () => {
       shifted.lives = Number(find('lag').value);
@@ -127,10 +104,7 @@
     });
   };
 
-  shifted.fit = () => {
-    shifted.pen.fit();
-    shifted.pairs.fit();
-  };
-
+  picture('shifted', draw);
+  picture('pairs', drawPairs);
   rub.shifted = shifted;
 })();

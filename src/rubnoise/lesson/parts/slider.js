@@ -3,23 +3,6 @@
 (() => {
   const rub = (globalThis.rub ??= {});
 
-  /** Return e^(-at) cosh(st) and e^(-at) sinh(st)/s, s^2 = a^2 - k/m, of the free motion; s may be imaginary. */
-  function freeMotion(rate, square, time) {
-    if (Math.abs(square) * time * time < 1e-10) {
-      const decay = Math.exp(-rate * time);
-      return [decay * (1 + (square * time * time) / 2), decay * time * (1 + (square * time * time) / 6)];
-    }
-    if (square < 0) {
-      const turn = Math.sqrt(-square);
-      const decay = Math.exp(-rate * time);
-      return [decay * Math.cos(turn * time), (decay * Math.sin(turn * time)) / turn];
-    }
-    const root = Math.sqrt(square);
-    const slow = Math.exp((root - rate) * time);
-    const fast = Math.exp(-(root + rate) * time);
-    return [0.5 * (slow + fast), (0.5 * (slow - fast)) / root];
-  }
-
   /**
    * Return the constants of a step: free motion, and what the bulge 6 y (1 - y) of the force over a tick adds. At ticks
    * h/d = 0.02 apart the parabola leaves some 1e-7 of the largest motion, as tests hold beside the Python package.
@@ -27,24 +10,16 @@
   function propagator({ mass, stiffness, damping }, time) {
     const rate = damping / (2 * mass);
     const own = stiffness / mass;
-    const [even, odd] = freeMotion(rate, rate * rate - own, time);
-    const p = {
-      xx: even + rate * odd,
-      xv: odd,
-      vx: -own * odd,
-      vv: even - rate * odd,
-      time,
-      damping,
-      stiffness,
-      x: 0,
-      v: 0,
-    };
+    const after = (t) => rub.response(rate, own, t, new Float64Array(4));
+    const [moved, speed] = after(time);
+    const free = { xx: speed + 2 * rate * moved, xv: moved, vx: -own * moved, vv: speed };
+    const p = { ...free, time, damping, stiffness, x: 0, v: 0 };
     const { nodes, weights } = rub.numbers.panels([0, 0.5, 1], 16);
     nodes.forEach((y, i) => {
-      const [still, moved] = freeMotion(rate, rate * rate - own, time * (1 - y));
       const bulge = (6 * y * (1 - y) * weights[i] * time) / mass;
-      p.x += bulge * moved;
-      p.v += bulge * (still - rate * moved);
+      const [x, v] = after(time * (1 - y));
+      p.x += bulge * x;
+      p.v += bulge * v;
     });
     return p;
   }

@@ -9,11 +9,12 @@
   const live = [];
   const stack = { from: 0, to: -1, width: 0, height: 0, top: 1, spacing: 1 };
 
-  /** Begin anew: so many pixels wide and high, top the area at the upper edge, spacing um in a pixel. */
+  /** Begin anew where anything is other: pixels wide and high, top the area at the upper edge, spacing um in a pixel. */
   stack.begin = (width, height, top, spacing) => {
-    Object.assign(stack, { width, height, top, spacing, from: 0, to: -1 });
-    canvas.width = width;
-    canvas.height = height;
+    const wanted = { width, height, top, spacing };
+    if (Object.entries(wanted).every(([name, value]) => stack[name] === value)) return;
+    Object.assign(stack, wanted, { from: 0, to: -1 });
+    Object.assign(canvas, { width, height });
   };
 
   /** Forget what is drawn. */
@@ -42,7 +43,7 @@
     const { area } = rub.run.trace.pulse;
     const largest = rub.stage.largest();
     let y = stack.height;
-    wipe(column, count);
+    ctx.clearRect(column % stack.width, 0, count, stack.height);
     for (const row of rub.run.liveAt(distance, live)) {
       const value = area(distance - row.birth, row.diameter, row.offset);
       const height = (value / stack.top) * stack.height;
@@ -57,26 +58,13 @@
     }
   }
 
-  function wipe(column, count) {
-    ctx.clearRect(column % stack.width, 0, count, stack.height);
-  }
-
   /** Paint the columns from one up to another, the first at x, each so many pixels of the page wide. */
   stack.paint = (target, from, to, x, y, pixel) => {
     for (let column = from; column <= to;) {
       const start = column % stack.width;
       const count = Math.min(to - column + 1, stack.width - start);
-      target.drawImage(
-        canvas,
-        start,
-        0,
-        count,
-        stack.height,
-        x + (column - from) * pixel,
-        y,
-        count * pixel,
-        stack.height * pixel,
-      );
+      const place = [x + (column - from) * pixel, y, count * pixel, stack.height * pixel];
+      target.drawImage(canvas, start, 0, count, stack.height, ...place);
       column += count;
     }
   };

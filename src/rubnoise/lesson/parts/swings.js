@@ -2,11 +2,11 @@
 /* A cursor on the trace of the displacement: how long the swings are that it spans. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink } = rub.plot;
+  const { ink, dragging } = rub.plot;
   const TEN = 10;
   const NEAR = 12; // pixels within which an end is taken up
   const swings = { ends: null };
-  let axis = null; // from distance to pixels, and back
+  let axis = null; // the frame of the trace, and the stretch on show
   let held = -1;
 
   /** Return where the displacement rises through its mean between two distances, in um. */
@@ -45,20 +45,12 @@
   };
 
   /** Draw the cursor over the trace. */
-  swings.draw = (ctx, box, x, range) => {
-    axis = { box, range };
+  swings.draw = (p, range) => {
+    axis = { box: p.box, range };
     if (!swings.ends) return;
-    ctx.strokeStyle = ink.exact;
-    ctx.fillStyle = ink.band;
-    ctx.lineWidth = 2;
-    const [left, right] = swings.ends.map(x).sort((a, b) => a - b);
-    ctx.fillRect(left, box.top, right - left, box.bottom - box.top);
-    ctx.beginPath();
-    for (const end of [left, right]) {
-      ctx.moveTo(end, box.top);
-      ctx.lineTo(end, box.bottom);
-    }
-    ctx.stroke();
+    const [left, right] = swings.ends.map(p.x).sort((a, b) => a - b);
+    p.shade(left, right, ink.band);
+    for (const end of [left, right]) p.upright(end, { colour: ink.exact, width: 2 });
   };
 
   /** Dragging over the trace spans another stretch; an end that is near is taken up. */
@@ -68,27 +60,21 @@
       const part = (event.clientX - canvas.getBoundingClientRect().left - box.left) / (box.right - box.left);
       return range[0] + Math.min(1, Math.max(0, part)) * (range[1] - range[0]);
     };
-    canvas.addEventListener('pointerdown', (event) => {
-      if (!axis || rub.run.motion) return;
+    const take = (event) => {
+      if (!axis || rub.run.motion) return false;
       const place = at(event);
       const { box, range } = axis;
       const near = (NEAR * (range[1] - range[0])) / (box.right - box.left);
       rub.run.pause();
       held = swings.ends ? swings.ends.findIndex((end) => Math.abs(end - place) < near) : -1;
       if (held < 0) [swings.ends, held] = [[place, place], 1];
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener('pointermove', (event) => {
-      if (held < 0) return;
+      return true;
+    };
+    dragging(canvas, take, (event) => {
       swings.ends[held] = at(event);
       document.getElementById('status').textContent = told();
       rub.emit('lag');
     });
-    for (const name of ['pointerup', 'pointercancel']) {
-      canvas.addEventListener(name, () => {
-        held = -1;
-      });
-    }
     for (const event of ['settings', 'reset']) {
       rub.on(event, () => {
         swings.ends = null;

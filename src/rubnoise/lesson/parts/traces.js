@@ -4,19 +4,20 @@
  */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, line, leftAxis, lowerAxis } = rub.plot;
-  const LEFT = 46;
+  const { ink, picture, DASHED } = rub.plot;
   const SWINGS = 30; // of the slider's own motion in a picture of it, but within these numbers of lives
   const LIVES = [4, 400];
   const MOST_POINTS = 2500;
   const SLIP = 0;
-  const traces = { pens: {} };
+  const DRIVE = { dash: [2, 3] };
+  const traces = {};
+  const milli = (value) => 1e-3 * value;
+
+  /* The last so much up to a place, or the first. */
+  const upTo = (place, wide) => (place < wide ? [0, wide] : [place - wide, place]);
 
   /** Return the stretch of distance on show: the last lives up to now, or the first ones. */
-  function stretch() {
-    const { reached, window } = rub.run;
-    return reached < window ? [0, window] : [reached - window, reached];
-  }
+  traces.stretch = () => upTo(rub.run.reached, rub.run.window);
 
   /** Return the distance that the drive moves in thirty swings of the slider, in um. */
   function swings() {
@@ -26,114 +27,67 @@
   }
 
   /** Return the stretch of distance on show in pictures of the slider's motion. */
-  function longStretch() {
-    const { reached } = rub.run;
-    const wide = swings();
-    return reached < wide ? [0, wide] : [reached - wide, reached];
-  }
+  traces.longStretch = () => upTo(rub.run.reached, swings());
 
   /** Return the stretch of the force: that of the displacement where a lesson shows both. */
   function forceStretch() {
-    return document.querySelector('#pictures.folded #panel-slider.shown') ? longStretch() : stretch();
+    const isLong = document.querySelector('#pictures.folded #panel-slider.shown');
+    return isLong ? traces.longStretch() : traces.stretch();
   }
 
   /** Return the stretch of time on show, in s. */
-  function span() {
-    const { time } = rub.run;
-    const wide = swings() / rub.world.speed;
-    return time < wide ? [0, wide] : [time - wide, time];
-  }
-
-  function boxOf({ width, height }) {
-    return { left: LEFT, top: 18, right: width - 8, bottom: height - 18 };
-  }
+  const span = () => upTo(rub.run.time, swings() / rub.world.speed);
 
   /** Draw what is exact: a line at the mean, a band of one standard deviation about it; and the mean so far, dashed. */
-  function drawExact(ctx, box, y, mean, std, seen) {
+  function drawExact(p, mean, std, seen) {
     if (!rub.readout.veiled()) {
-      ctx.fillStyle = ink.band;
-      ctx.fillRect(box.left, y(mean + std), box.right - box.left, y(mean - std) - y(mean + std));
-      level(ctx, box, y(mean), ink.exact, []);
+      const [top, bottom] = [p.y(mean + std), p.y(mean - std)];
+      p.shade(p.box.left, p.box.right, ink.band, { top, bottom });
+      p.level(p.y(mean), { colour: ink.exact });
     }
-    level(ctx, box, y(seen), ink.ink, [5, 4]);
-  }
-
-  function level(ctx, box, y, colour, dashes) {
-    ctx.strokeStyle = colour;
-    ctx.lineWidth = 1.5;
-    ctx.setLineDash(dashes);
-    ctx.beginPath();
-    ctx.moveTo(box.left, y);
-    ctx.lineTo(box.right, y);
-    ctx.stroke();
-    ctx.setLineDash([]);
+    p.level(p.y(seen), DASHED);
   }
 
   /** Draw one column of the trace over a stretch; of a long one, every so many ticks, always the same ones. */
-  function drawColumn(ctx, x, y, values, [from, to] = stretch()) {
+  function drawColumn(p, value, [from, to] = traces.stretch()) {
     const { tick } = rub.run.trace;
     const stride = Math.max(1, Math.ceil((to - from) / tick / MOST_POINTS));
     const step = stride * tick;
-    ctx.strokeStyle = ink.ink;
-    ctx.lineWidth = 1.5;
-    ctx.lineJoin = 'round';
-    line(
-      ctx,
-      Math.max(0, Math.ceil(from / step)),
-      Math.floor(rub.run.ticksSeen / stride),
-      (i) => x(i * step),
-      (i) => y(values[i * stride]),
-    );
+    const last = Math.floor(rub.run.ticksSeen / stride);
+    const [x, y] = [(i) => p.x(i * step), (i) => p.y(value(i * stride))];
+    p.curve(Math.max(0, Math.ceil(from / step)), last, x, y);
   }
 
-  /** Draw a column that jumps: level from tick to tick, then upright. */
-  function drawSteps(ctx, x, y, values) {
+  /** Draw the count, which jumps: level from tick to tick, then upright. */
+  function drawSteps(p) {
     const { trace, ticksSeen } = rub.run;
-    const first = Math.max(0, Math.ceil(stretch()[0] / trace.tick));
-    ctx.strokeStyle = ink.ink;
-    ctx.lineWidth = 1.5;
-    ctx.lineJoin = 'miter';
-    ctx.beginPath();
-    ctx.moveTo(x(first * trace.tick), y(values[first]));
+    const { count, tick } = trace;
+    const first = Math.max(0, Math.ceil(traces.stretch()[0] / tick));
+    const corners = [[p.x(first * tick), p.y(count[first])]];
     for (let i = first + 1; i <= ticksSeen; i += 1) {
-      if (values[i] === values[i - 1] && i < ticksSeen) continue;
-      ctx.lineTo(x(i * trace.tick), y(values[i - 1]));
-      ctx.lineTo(x(i * trace.tick), y(values[i]));
+      if (count[i] === count[i - 1] && i < ticksSeen) continue;
+      corners.push([p.x(i * tick), p.y(count[i - 1])], [p.x(i * tick), p.y(count[i])]);
     }
-    ctx.stroke();
+    p.lines([corners]);
   }
 
-  function frame(name, low, high, title, [from, to] = stretch()) {
-    const state = traces.pens[name];
-    state.clear();
-    const box = boxOf(state);
-    const y = leftAxis(state.ctx, box, low, high, title);
-    return { ctx: state.ctx, box, x: lowerAxis(state.ctx, box, from, to, 'sliding distance, µm'), y };
+  function axes(p, low, high, title, [from, to] = traces.stretch()) {
+    p.frame();
+    p.axes([low, high, title], [from, to, 'sliding distance, µm']);
   }
 
-  /** As frame, over time, with the times shaded at which the slider is stuck. */
-  function frameInTime(name, low, high, title) {
-    const state = traces.pens[name];
-    state.clear();
-    const box = boxOf(state);
-    drawStuck(state.ctx, box);
-    const y = leftAxis(state.ctx, box, low, high, title);
-    const [from, to] = span().map((time) => 1e3 * time);
-    return { ctx: state.ctx, box, x: lowerAxis(state.ctx, box, from, to, 'time, ms'), y };
-  }
-
-  /** Shade the times at which the slider is stuck. */
-  function drawStuck(ctx, box) {
+  /** Draw axes over time, with the times shaded at which the slider is stuck. */
+  function axesInTime(p, low, high, title) {
     const [from, to] = span();
-    const x = (time) => box.left + ((time - from) / (to - from)) * (box.right - box.left);
-    ctx.fillStyle = ink.stuck;
-    for (const [begin, end] of rub.run.motion.stuck(from, Math.min(to, rub.run.time))) {
-      ctx.fillRect(x(begin), box.top, Math.max(1, x(end) - x(begin)), box.bottom - box.top);
-    }
+    const { left, right } = p.frame();
+    const x = (time) => left + ((time - from) / (to - from)) * (right - left);
+    for (const [begin, end] of rub.run.motion.stuck(from, Math.min(to, rub.run.time)))
+      p.shade(x(begin), Math.max(x(begin) + 1, x(end)), ink.stuck);
+    p.axes([low, high, title], [1e3 * from, 1e3 * to, 'time, ms']);
   }
 
-  /** Draw one column of a slider that pushes back, up to now; y takes its values. */
-  function drawMotion(ctx, x, y, name) {
+  /** Draw one column of a slider that pushes back, up to now, so many times as large. */
+  function drawMotion(p, name, factor) {
     const { motion, time } = rub.run;
     const times = motion.columns.time.values;
     const { values } = motion.columns[name];
@@ -141,64 +95,40 @@
     const first = motion.columns.time.find(span()[0]);
     const last = motion.columns.time.find(time);
     const stride = Math.max(1, Math.ceil((last - first) / MOST_POINTS));
-    ctx.strokeStyle = ink.ink;
-    ctx.lineWidth = 1.5;
-    ctx.lineJoin = 'round';
-    ctx.beginPath();
-    ctx.moveTo(x(1e3 * times[first]), y(values[first]));
+    const at = (t, value) => [p.x(1e3 * t), p.y(factor * value)];
+    const points = [at(times[first], values[first])];
     for (let i = first + 1; i <= last; i += 1) {
       const corner = phases[i] !== SLIP || phases[i - 1] !== SLIP; // where it turns, and both ends of a stick
-      if (corner || i % stride === 0) ctx.lineTo(x(1e3 * times[i]), y(values[i]));
+      if (corner || i % stride === 0) points.push(at(times[i], values[i]));
     }
-    ctx.lineTo(x(1e3 * time), y(motion.at(name, time)));
-    ctx.stroke();
-  }
-
-  /** Draw within a box what may leave it. */
-  function clipped(ctx, box, draw) {
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(box.left, box.top, box.right - box.left, box.bottom - box.top);
-    ctx.clip();
-    draw();
-    ctx.restore();
+    p.lines([[...points, at(time, motion.at(name, time))]]);
   }
 
   /** Return the largest area on show of a contact, in um^2. */
   traces.topOf = ({ areaMean, areaStd }) => Math.max(1.25 * areaMean, areaMean + 4.5 * areaStd);
   traces.topArea = () => traces.topOf(rub.exact());
 
-  function drawArea(seen) {
+  function drawArea(p, seen) {
     const { areaMean, areaStd } = rub.exact();
-    const { ctx, box, x, y } = frame('area', 0, traces.topArea(), 'real contact area, µm²');
-    drawStack(ctx, box);
-    drawExact(ctx, box, y, areaMean, areaStd, seen.areaMean);
-    drawColumn(ctx, x, y, rub.run.trace.area);
+    axes(p, 0, traces.topArea(), 'real contact area, µm²');
+    drawStack(p);
+    drawExact(p, areaMean, areaStd, seen.areaMean);
+    drawColumn(p, (i) => rub.run.trace.area[i]);
   }
 
-  function drawStack(ctx, box) {
-    const { scale } = traces.pens.area;
-    const [begin] = stretch();
+  function drawStack({ ctx, box, scale }) {
+    const [begin] = traces.stretch();
     const columns = Math.max(1, Math.round((box.right - box.left) * scale));
     const spacing = rub.run.window / columns;
     const height = Math.max(1, Math.round((box.bottom - box.top) * scale));
-    const { stack } = rub;
-    if (
-      stack.width !== columns ||
-      stack.height !== height ||
-      stack.spacing !== spacing ||
-      stack.top !== traces.topArea()
-    ) {
-      stack.begin(columns, height, traces.topArea(), spacing);
-    }
     const to = Math.floor(rub.run.reached / spacing) - 1;
     const from = Math.max(0, to - columns + 1);
     if (to < from) return;
-    stack.until(from, to);
+    rub.stack.begin(columns, height, traces.topArea(), spacing);
+    rub.stack.until(from, to);
     /* On whole pixels of the screen: a seam shows where the ring's end meets its beginning otherwise. */
     const left = box.left + ((from * spacing - begin) / rub.run.window) * (box.right - box.left);
-    const x = Math.round(left * scale) / scale;
-    stack.paint(ctx, from, to, x, box.top, 1 / scale);
+    rub.stack.paint(ctx, from, to, Math.round(left * scale) / scale, box.top, 1 / scale);
   }
 
   /** Return the largest count on show. */
@@ -207,44 +137,41 @@
     return Math.ceil(Math.max(countMean + 4.5 * countStd, 1.3 * countMean, 2));
   };
 
-  function drawCount(seen) {
+  function drawCount(p, seen) {
     const { countMean, countStd } = rub.exact();
-    const { ctx, box, x, y } = frame('count', 0, traces.topCount(), 'live junctions');
-    drawExact(ctx, box, y, countMean, countStd, seen.countMean);
-    drawSteps(ctx, x, y, rub.run.trace.count);
+    axes(p, 0, traces.topCount(), 'live junctions');
+    drawExact(p, countMean, countStd, seen.countMean);
+    drawSteps(p);
   }
 
-  function drawForce(seen) {
+  function drawForce(p, seen) {
     const { forceMean, forceStd } = rub.exact();
-    const { motion } = rub.run;
-    const top = rub.world.strength * traces.topArea() * 1e-3;
+    const { motion, trace } = rub.run;
+    const top = milli(rub.world.strength * traces.topArea());
     if (motion) {
       const low = 1.1e-3 * motion.range.force[0];
-      const { ctx, box, x, y } = frameInTime('force', low, Math.max(top, low + 1e-9), 'friction force, mN');
-      clipped(ctx, box, () => drawMotion(ctx, x, (value) => y(value * 1e-3), 'force'));
-      return;
+      axesInTime(p, low, Math.max(top, low + 1e-9), 'friction force, mN');
+      return p.clipped(() => drawMotion(p, 'force', 1e-3));
     }
-    const { ctx, box, x, y } = frame('force', 0, top, 'friction force, mN', forceStretch());
-    const milli = (value) => y(value * 1e-3);
-    drawExact(ctx, box, milli, forceMean, forceStd, seen.forceMean);
-    drawColumn(ctx, x, milli, rub.run.trace.force, forceStretch());
+    axes(p, 0, top, 'friction force, mN', forceStretch());
+    drawExact(p, milli(forceMean), milli(forceStd), milli(seen.forceMean));
+    return drawColumn(p, (i) => milli(trace.force[i]), forceStretch());
   }
 
-  function drawSlider(seen) {
+  function drawSlider(p, seen) {
     const { displacementMean, displacementStd } = rub.exact();
-    const inTime = Boolean(rub.run.motion);
+    const { motion, trace } = rub.run;
     const title = 'slider displacement, µm';
-    const { ctx, box, x, y } = inTime
-      ? frameInTime('slider', ...traces.reach(), title)
-      : frame('slider', ...traces.reach(), title, longStretch());
-    clipped(ctx, box, () => {
-      if (inTime) {
-        level(ctx, box, y(seen.displacementMean), ink.ink, [5, 4]);
-        drawMotion(ctx, x, y, 'displacement');
+    if (motion) axesInTime(p, ...traces.reach(), title);
+    else axes(p, ...traces.reach(), title, traces.longStretch());
+    p.clipped(() => {
+      if (motion) {
+        p.level(p.y(seen.displacementMean), DASHED);
+        drawMotion(p, 'displacement', 1);
       } else {
-        drawExact(ctx, box, y, displacementMean, displacementStd, seen.displacementMean);
-        drawColumn(ctx, x, y, rub.run.trace.displacement, longStretch());
-        rub.swings.draw(ctx, box, x, longStretch());
+        drawExact(p, displacementMean, displacementStd, seen.displacementMean);
+        drawColumn(p, (i) => trace.displacement[i], traces.longStretch());
+        rub.swings.draw(p, traces.longStretch());
       }
     });
   }
@@ -261,7 +188,7 @@
   };
 
   /** Draw the velocity, and the speed of the drive wherever it comes into view. */
-  function drawVelocity() {
+  function drawVelocity(p) {
     const { motion, trace } = rub.run;
     const { speed } = rub.world;
     const reach = 4.5 * rub.exact().velocityStd;
@@ -269,36 +196,19 @@
     const [bottom, top] = [Math.min(1.1 * low, -0.02 * speed), Math.max(1.1 * high, 0.02 * speed)];
     const drive = speed < top ? '; dots: the drive' : '';
     const title = [`velocity of the slider, mm/s${drive}`, `velocity, mm/s${drive}`];
-    const { ctx, box, x, y } = motion
-      ? frameInTime('velocity', 1e-3 * bottom, 1e-3 * top, title)
-      : frame('velocity', 1e-3 * bottom, 1e-3 * top, title, longStretch());
-    const milli = (value) => y(value * 1e-3);
-    clipped(ctx, box, () => {
-      level(ctx, box, milli(speed), ink.second, [2, 3]);
-      if (motion) drawMotion(ctx, x, milli, 'velocity');
-      else drawColumn(ctx, x, milli, trace.velocity, longStretch());
+    if (motion) axesInTime(p, milli(bottom), milli(top), title);
+    else axes(p, milli(bottom), milli(top), title, traces.longStretch());
+    p.clipped(() => {
+      p.level(p.y(milli(speed)), { ...DRIVE, colour: ink.second });
+      if (motion) drawMotion(p, 'velocity', 1e-3);
+      else drawColumn(p, (i) => milli(trace.velocity[i]), traces.longStretch());
     });
   }
 
-  /** Draw all traces. */
-  traces.draw = (seen) => {
-    drawArea(seen);
-    drawCount(seen);
-    drawForce(seen);
-    drawSlider(seen);
-    drawVelocity();
-  };
-
-  /** Take over the canvases of these names. */
-  traces.begin = (names) => {
-    for (const name of names) traces.pens[name] = pen(document.getElementById(name));
-  };
-
-  traces.fit = () => {
-    Object.values(traces.pens).forEach((state) => state.fit());
-    rub.stack.forget();
-  };
-
-  Object.assign(traces, { stretch, longStretch, boxOf, level, clipped });
+  picture('area', drawArea, { fitted: () => rub.stack.forget() });
+  picture('count', drawCount);
+  picture('force', drawForce);
+  picture('slider', drawSlider);
+  picture('velocity', drawVelocity);
   rub.traces = traces;
 })();

@@ -29,20 +29,15 @@
   const listeners = new Map();
   let exactNow = null;
 
-  /** Call f at each of the events "birth", "death", "tick", "select", "reset" or "settings" from now on. */
+  /** Call f at each of the events "tick", "select", "reset" or "settings" from now on. */
   function on(event, f) {
     listeners.set(event, [...(listeners.get(event) ?? []), f]);
   }
 
-  /** Call all listeners of an event; heard() says whether there are any. */
+  /** Call all listeners of an event. */
   function emit(event, about) {
     for (const f of listeners.get(event) ?? []) f(about);
   }
-
-  /** Call f once everything on the page is there, or at once where it is. */
-  const ready = (f) => (rub.isReady ? f(rub.lesson) : on('ready', f));
-
-  const heard = (event) => listeners.has(event);
 
   /** Return why a setting cannot be so, or an empty text. */
   function problemWith(key, value) {
@@ -118,5 +113,5 @@
     exactNow = null;
   }
 
-  Object.assign(rub, { on, emit, heard, ready, set, reset, exact, begin, problemWith });
+  Object.assign(rub, { on, emit, set, reset, exact, begin });
 })();

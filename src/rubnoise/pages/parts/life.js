@@ -1,22 +1,8 @@
 /* The life of one junction: its area, its peak, and the contact there, as `rubnoise junctions` has them. */
 "use strict";
 (() => {
-  const AREAS = {
-    lens: (s, d) => {
-      const x = Math.min(Math.abs(d - s), d);
-      return 0.5 * (d * d * Math.acos(x / d) - x * Math.sqrt((d - x) * (d + x)));
-    },
-    triangle: (s, d) => 0.25 * Math.PI * d * Math.max(Math.min(s, 2 * d - s), 0),
-    parabola: (s, d) => 0.25 * Math.PI * Math.max(s * (2 * d - s), 0),
-    "off-centre lens": (s, d, b) => {
-      const r = Math.min(Math.hypot(s - Math.sqrt((d - b) * (d + b)), b), d);
-      return 0.5 * (d * d * Math.acos(r / d) - r * Math.sqrt((d - r) * (d + r)));
-    },
-    "off-centre parabola": (s, d, b) => 0.25 * Math.PI * Math.max(s * (2 * Math.sqrt((d - b) * (d + b)) - s), 0),
-  };
-
   const { data } = view;
-  const areaOf = AREAS[data.pulse];
+  const areaOf = rub.areaOf(data.pulse.replace("off-centre ", ""));
   const rows = view.livesOf(data.junctions, areaOf, data.twoWay ? null : data.speed);
   view.lives = rows;
   const { birth_distance: birth, death_distance: death } = rows;

@@ -16,49 +16,11 @@
   const MOST_MARKED = 1500;
   const MOST_DRAWN = 20000;
 
-  class Heap {
-    constructor(key) {
-      Object.assign(this, { key, items: [] });
-    }
-    get least() {
-      return this.items[0];
-    }
-    push(item) {
-      const { items, key } = this;
-      let i = items.push(item) - 1;
-      for (let up = (i - 1) >> 1; i > 0 && key(items[i]) < key(items[up]); i = up, up = (i - 1) >> 1) {
-        [items[i], items[up]] = [items[up], items[i]];
-      }
-    }
-    pop() {
-      const { items, key } = this;
-      const least = items[0];
-      const last = items.pop();
-      if (items.length) {
-        items[0] = last;
-        for (let i = 0; ;) {
-          let next = 2 * i + 1;
-          if (next >= items.length) break;
-          if (next + 1 < items.length && key(items[next + 1]) < key(items[next])) next += 1;
-          if (key(items[next]) >= key(items[i])) break;
-          [items[i], items[next]] = [items[next], items[i]];
-          i = next;
-        }
-      }
-      return least;
-    }
-  }
-
   const { birth_distance: birth, death_distance: death, diameter } = rows;
   const lanes = new Uint32Array(birth.length);
-  let laneCount = 1;
-  const [living, free] = [new Heap((row) => death[row]), new Heap((lane) => lane)];
-  for (let row = 0, used = 0; row < birth.length; row += 1) {
-    while (living.least !== undefined && death[living.least] <= birth[row]) free.push(lanes[living.pop()]);
-    lanes[row] = free.least === undefined ? used++ : free.pop();
-    laneCount = Math.max(laneCount, used);
-    living.push(row);
-  }
+  const ends = [];
+  for (let row = 0; row < birth.length; row += 1) lanes[row] = rub.laneOf(ends, birth[row], death[row]);
+  const laneCount = Math.max(1, ends.length);
   let [least, most] = [Infinity, -Infinity];
   for (const d of diameter) [least, most] = [Math.min(least, d), Math.max(most, d)];
   const shade = (row) => Math.min(COLOURS.length - 1, Math.floor((COLOURS.length * (diameter[row] - least)) / (most - least || 1)));
