@@ -4,72 +4,44 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.agreement import Agreement
-    from rubnoise.analysis.findings import Comparison
-    from rubnoise.api.column_group import Columns
-    from rubnoise.api.columns import Column
-    from rubnoise.api.estimates import Autocovariance, PowerSpectrum
-    from rubnoise.api.fit import Inference
-    from rubnoise.api.inferring import infer
-    from rubnoise.api.junction import Junction
-    from rubnoise.api.run import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
-    from rubnoise.api.running import Record, exact, run, simulate
-    from rubnoise.api.scenarios import build, example, examples, load, load_sweep
-    from rubnoise.api.surface import Surface
-    from rubnoise.api.sweep_result import SweepResult, open_sweep
-    from rubnoise.api.sweeps import run_sweep, sweep
-    from rubnoise.api.trace import Trace
-    from rubnoise.errors import Refused, RubnoiseError
-    from rubnoise.record.rows import JunctionState
-    from rubnoise.runs.verification import Verification
-    from rubnoise.scenario import Scenario
-    from rubnoise.scenario.sweep import expand
-    from rubnoise.simulation.intervention import LiveJunctions
-    from rubnoise.simulation.observer import Observer
-    from rubnoise.theory.ancestors import greenwood_williamson
-    from rubnoise.theory.exact import Exact
+    from rubnoise.analysis.agreement import Agreement as Agreement
+    from rubnoise.analysis.findings import Comparison as Comparison
+    from rubnoise.api.column_group import Columns as Columns
+    from rubnoise.api.columns import Column as Column
+    from rubnoise.api.estimates import Autocovariance as Autocovariance
+    from rubnoise.api.estimates import PowerSpectrum as PowerSpectrum
+    from rubnoise.api.fit import Inference as Inference
+    from rubnoise.api.inferring import infer as infer
+    from rubnoise.api.junction import Junction as Junction
+    from rubnoise.api.run import Run as Run
+    from rubnoise.api.run import open as open  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api.running import Record as Record
+    from rubnoise.api.running import exact as exact
+    from rubnoise.api.running import run as run
+    from rubnoise.api.running import simulate as simulate
+    from rubnoise.api.scenarios import build as build
+    from rubnoise.api.scenarios import example as example
+    from rubnoise.api.scenarios import examples as examples
+    from rubnoise.api.scenarios import load as load
+    from rubnoise.api.scenarios import load_sweep as load_sweep
+    from rubnoise.api.surface import Surface as Surface
+    from rubnoise.api.sweep_result import SweepResult as SweepResult
+    from rubnoise.api.sweep_result import open_sweep as open_sweep
+    from rubnoise.api.sweeps import run_sweep as run_sweep
+    from rubnoise.api.sweeps import sweep as sweep
+    from rubnoise.api.trace import Trace as Trace
+    from rubnoise.errors import Refused as Refused
+    from rubnoise.errors import RubnoiseError as RubnoiseError
+    from rubnoise.record.rows import JunctionState as JunctionState
+    from rubnoise.runs.verification import Verification as Verification
+    from rubnoise.scenario import Scenario as Scenario
+    from rubnoise.scenario.sweep import expand as expand
+    from rubnoise.simulation.intervention import LiveJunctions as LiveJunctions
+    from rubnoise.simulation.observer import Observer as Observer
+    from rubnoise.theory.ancestors import greenwood_williamson as greenwood_williamson
+    from rubnoise.theory.exact import Exact as Exact
 
 __version__ = "0.1.0"
-__all__ = [
-    "Agreement",
-    "Autocovariance",
-    "Column",
-    "Columns",
-    "Comparison",
-    "Exact",
-    "Inference",
-    "Junction",
-    "JunctionState",
-    "LiveJunctions",
-    "Observer",
-    "PowerSpectrum",
-    "Record",
-    "Refused",
-    "RubnoiseError",
-    "Run",
-    "Scenario",
-    "Surface",
-    "SweepResult",
-    "Trace",
-    "Verification",
-    "__version__",
-    "build",
-    "exact",
-    "example",
-    "examples",
-    "expand",
-    "greenwood_williamson",
-    "infer",
-    "load",
-    "load_sweep",
-    "open",
-    "open_sweep",
-    "run",
-    "run_sweep",
-    "simulate",
-    "sweep",
-]
-
 HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
     "rubnoise.analysis.findings": ("Comparison",),
@@ -97,6 +69,8 @@ HOMES: Final = {
     "rubnoise.theory.exact": ("Exact",),
 }
 """The module of each public name."""
+
+__all__ = sorted(["__version__", *(name for names in HOMES.values() for name in names)])  # noqa: PLE0605  (said once)
 
 
 def __getattr__(name: str) -> object:

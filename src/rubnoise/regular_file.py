@@ -69,16 +69,11 @@ def read_at_most(path: str | os.PathLike[str], count: int) -> bytes:
 
     Some files of the system, such as /proc/kmsg, call themselves regular and have no end: such a read is refused, too.
     """
-    descriptor = open_regular(path)
-    try:
-        content = bytearray()
-        while len(content) < count and (part := os.read(descriptor, min(count - len(content), PIECE_BYTES))):
-            content += part
-    except BlockingIOError as problem:
-        raise NotRegular(path) from problem
-    finally:
-        os.close(descriptor)
-    return bytes(content)
+    with open_stream(path) as stream:
+        content: bytes | None = stream.read(count)
+    if content is None:
+        raise NotRegular(path)
+    return content
 
 
 _HDF5: Final = b"\x89HDF"
@@ -91,11 +86,8 @@ def is_hdf5(path: str | os.PathLike[str]) -> bool:
 
 def size_of(path: str | os.PathLike[str]) -> int:
     """Return the size of a regular file in bytes; raises as `open_regular` does."""
-    descriptor = open_regular(path)
-    try:
-        return os.fstat(descriptor).st_size
-    finally:
-        os.close(descriptor)
+    with open_stream(path) as stream:
+        return os.fstat(stream.fileno()).st_size
 
 
 def is_folder(path: Path) -> bool:

@@ -23,15 +23,12 @@ class Rows(Protocol):
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:
         """Names of the columns of each group."""
-        ...
 
     def rows(self, group: str) -> int:
         """Return the number of rows of a group."""
-        ...
 
     def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
         """Return rows ``start`` to ``stop`` (to the end when None) of a column."""
-        ...
 
 
 class Reader(Rows, Protocol):
@@ -40,27 +37,22 @@ class Reader(Rows, Protocol):
     @property
     def path(self) -> Path:
         """The path of the file."""
-        ...
 
     @property
     def extent(self) -> Extent:
         """The number of rows of each group."""
-        ...
 
     @property
     def attributes(self) -> Attributes:
         """Format, title, source and the formula of a junction's area."""
-        ...
 
     @property
     def summary(self) -> Attributes:
         """Measured and exact figures by name."""
-        ...
 
     @property
     def provenance(self) -> Attributes:
         """Scenario, software, seed, command and times."""
-        ...
 
 
 class HashedReader(Reader, Protocol):
@@ -69,15 +61,12 @@ class HashedReader(Reader, Protocol):
     @property
     def seal(self) -> str:
         """The hash of the attributes; None if there is none."""
-        ...
 
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that cannot be read or differ from their stored hash."""
-        ...
 
     def inventory(self) -> Mapping[str, Mapping[str, Any]]:
         """Return every group, column and attribute of the file, also objects of others."""
-        ...
 
 
 class Chunk(dict[str, NDArray[Any]]):

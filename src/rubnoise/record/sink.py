@@ -44,7 +44,6 @@ class Sink(Protocol):
 
         Rows come in order and without gaps; a row of "junctions" may come again when its junction is ended early.
         """
-        ...
 
 
 @dataclass(slots=True)

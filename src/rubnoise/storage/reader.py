@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from mmap import ACCESS_COPY, ALLOCATIONGRANULARITY, mmap
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import Any, Final, Self
 from weakref import finalize
 
 import h5py
@@ -26,7 +26,9 @@ from rubnoise.storage.layout import Name, row_count, stored_extent, stored_group
 from rubnoise.storage.objects import (
     MOST_ATTRIBUTES,
     REMEDY,
+    Inventory,
     Place,
+    inventory_of,
     linked,
     naming_damage,
     opened_by_hdf5,
@@ -49,9 +51,6 @@ from rubnoise.storage.schema import (
     Feature,
     Scalar,
 )
-
-if TYPE_CHECKING:
-    from rubnoise.storage.objects import Inventory
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
@@ -80,15 +79,13 @@ class RunFile:
     """
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, file: h5py.File) -> None:
-        """Take over the descriptor of a file, and read its structure, which HDF5 has opened.
+        """Take over a descriptor and what HDF5 has opened by it, and read the structure of the file.
 
         Raises RunFileRefused, and any error of HDF5.
         """
         self.path, self.descriptor = Path(path), descriptor
         self.watch: Watch | None = None
-        self._place = self.path.absolute()
-        self._unpacking: h5py.File | None = None
-        self._datasets: dict[Name, h5py.Dataset] = {}
+        self._place, self._file = self.path.absolute(), file
         _check_version(file)
         self.provenance = read_provenance(file)
         if not self.provenance["finished"]:
@@ -125,8 +122,7 @@ class RunFile:
 
     def close(self) -> None:
         """Close the file; nothing can be read any more."""
-        if self._unpacking is not None:
-            self._unpacking.close()
+        self._file.close()
         self._close()
 
     @property
@@ -156,7 +152,8 @@ class RunFile:
         with self._reading():
             if place.offset or not place.rows:
                 return self._stored_rows(place, first, max(first, last))
-            return self._unpacked((group, name), first, max(first, last))
+            with naming_damage():  # HDF5 finds the chunks of a compressed column
+                return rows_of_chunks(self._file[group][name], first, max(first, last))
 
     def _stored_rows(self, place: Place, first: int, last: int) -> NDArray[Any]:
         """Return rows that lie in one piece; raises RunFileRefused if the file does not have them any more."""
@@ -172,25 +169,14 @@ class RunFile:
                 return values
         raise RunFileRefused(f"cut short; {REMEDY}")
 
-    def _unpacked(self, name: Name, first: int, last: int) -> NDArray[Any]:
-        """Return rows of a compressed column, whose chunks HDF5 finds; it keeps the file open from the first one on."""
-        with naming_damage():
-            if self._unpacking is None:
-                self._unpacking = opened_by_hdf5(self._place, self.descriptor)
-            if name not in self._datasets:
-                self._datasets[name] = self._unpacking["/".join(name)]
-            return rows_of_chunks(self._datasets[name], first, last)
-
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that cannot be read or differ from their stored hash; reads the whole file."""
         return tuple("/" + "/".join(name) for name in self._digests if not self._is_intact(name))
 
-    def inventory(self) -> "Inventory":
+    def inventory(self) -> Inventory:
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
-        from rubnoise.storage.objects import inventory_of
-
-        with self._reading(), naming_damage(), opened_by_hdf5(self._place, self.descriptor) as file:
-            return inventory_of(file)
+        with self._reading(), naming_damage():
+            return inventory_of(self._file)
 
     def _is_intact(self, name: Name) -> bool:
         digest = xxhash.xxh3_128()
@@ -221,8 +207,13 @@ def open_run(path: str | os.PathLike[str]) -> RunFile:
         try:
             _check_signature(descriptor, path)
             _share(descriptor)
-            with naming_damage(), opened_by_hdf5(path, descriptor) as file:
-                return RunFile(path, descriptor, file)
+            with naming_damage():
+                file = opened_by_hdf5(path, descriptor)
+                try:
+                    return RunFile(path, descriptor, file)
+                except BaseException:
+                    file.close()
+                    raise
         except BaseException:
             os.close(descriptor)
             raise
