@@ -1,5 +1,6 @@
 """Small result files with random rows, for the tests of the format."""
 
+import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -9,8 +10,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.contact.pulses import LENS, OFF_CENTRE
 from rubnoise.record.sink import Extent
-from rubnoise.storage.layout import Provenance, RunDescription, row_count, stored_groups
+from rubnoise.storage.layout import RunDescription, row_count, stored_groups
 from rubnoise.storage.schema import LIFE_CURVE, LIFE_TABLE, Dataset, Feature
 from rubnoise.storage.writer import RunWriter
 
@@ -22,16 +24,16 @@ FEATURES = (BARE, frozenset({"speed"}), frozenset({"strength"}), frozenset({"spe
 Compression = Literal["none", "gzip"]
 Rows = dict[str, dict[str, NDArray[Any]]]
 
-ORIGIN = Provenance(
-    software={"rubnoise": "0.1.0"},
-    environment={"platform": "Linux", "machine": "x86_64", "cpu_count": 2},
-    seed=2**53 - 1,
-    stream_version=1,
-    calibrated_diameter=5.530012641,
-    propagator_constants={"decay_real": 0.99990000123456789},
-    command="rubnoise run fig5.toml",
-    started="2026-01-02T03:04:05Z",
-)
+ORIGIN = {
+    "software": '{"rubnoise": "0.1.0"}',
+    "environment": '{"platform": "Linux", "machine": "x86_64", "cpu_count": 2}',
+    "seed": 2**53 - 1,
+    "stream_version": 1,
+    "calibrated_diameter": 5.530012641,
+    "propagator_constants": json.dumps({"decay_real": 0.99990000123456789}),
+    "command": "rubnoise run fig5.toml",
+    "started": "2026-01-02T03:04:05Z",
+}
 
 
 def describe(
@@ -53,10 +55,15 @@ def describe(
         ),
         features=features,
         compression=compression,
-        scenario_toml=scenario_toml,
-        scenario_resolved={"run": {"seed": 1}, "title": "µm"}
-        | ({"pulse": {"shape": "lens", "offset": "uniform"}} if "offset" in features else {}),
-        provenance=ORIGIN,
+        pulse=OFF_CENTRE["lens"] if "offset" in features else LENS,
+        provenance={
+            "scenario_toml": scenario_toml,
+            "scenario_resolved": json.dumps(
+                {"run": {"seed": 1}, "title": "µm"}
+                | ({"pulse": {"shape": "lens", "offset": "uniform"}} if "offset" in features else {})
+            ),
+            **ORIGIN,
+        },
     )
 
 

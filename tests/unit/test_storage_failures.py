@@ -9,7 +9,6 @@ import re
 import resource
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
 from pathlib import Path
 from shlex import join
 
@@ -17,7 +16,7 @@ import h5py
 import pytest
 
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.storage.layout import Provenance, package_version
+from rubnoise.storage.layout import origin, package_version
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import attempt, describe, names
@@ -70,13 +69,13 @@ def test_a_disk_without_hard_links_gets_a_rename(tmp_path: Path, monkeypatch: py
 # Provenance names software, machine and command, and no person.
 @pytest.fixture(name="origin")
 def gathered() -> dict[str, object]:
-    return asdict(
-        Provenance(
-            seed=12,
-            calibrated_diameter=5.53,
-            propagator_constants={"decay": 0.1},
-            command=join(["rubnoise", "run", "my run.toml", "--seed", "12"]),
-        )
+    return origin(
+        "",
+        {},
+        seed=12,
+        calibrated_diameter=5.53,
+        propagator_constants={"decay": 0.1},
+        command=join(["rubnoise", "run", "my run.toml", "--seed", "12"]),
     )
 
 

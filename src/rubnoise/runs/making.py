@@ -23,7 +23,7 @@ from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
 from rubnoise.storage.forecast import check_disk_space, expected
-from rubnoise.storage.layout import Provenance, RunDescription, features_of, this_command
+from rubnoise.storage.layout import RunDescription, features_of, origin, this_command
 from rubnoise.storage.output import check_output
 from rubnoise.storage.writer import RunWriter
 
@@ -82,9 +82,10 @@ def describe(
         extent=known or extent(model, seed),
         features=features_of(model),
         compression="gzip" if scenario.output.compression == "gzip" else "none",
-        scenario_toml=scenario.text,
-        scenario_resolved=scenario.resolved(),
-        provenance=Provenance(
+        pulse=model.pulse,
+        provenance=origin(
+            scenario.text,
+            scenario.resolved(),
             seed=seed,
             calibrated_diameter=model.calibrated_diameter,
             propagator_constants=named_constants(model),

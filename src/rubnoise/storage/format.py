@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.layout import Name, RunDescription, grows, package_version, row_count, stored_groups
-from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
+from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,
@@ -28,7 +28,6 @@ from rubnoise.storage.schema import (
     FORMAT_VERSION,
     HASH,
     HASH_DIGITS,
-    INTERVENTION,
     Group,
     Scalar,
 )
@@ -120,7 +119,7 @@ def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
             places |= add_group(file, group, row_count(group, about.extent), "none")
     put_attribute(_create_group(file, "summary", notes=True), "NX_class", "NXcollection")
     provenance = _create_group(file, "provenance", notes=True)
-    begun = {**provenance_attributes(about), "finished": "", HASH: "0" * HASH_DIGITS}
+    begun = {**about.provenance, "finished": "", HASH: "0" * HASH_DIGITS}
     for name, value in ({"NX_class": "NXcollection"} | begun).items():
         put_attribute(provenance, name, value)
     return places
@@ -166,7 +165,7 @@ def complete(
     figures, provenance = h5py.h5g.open(file.id, b"summary"), h5py.h5g.open(file.id, b"provenance")
     for name, value in summary.items():
         put_attribute(figures, name, value)
-    origin = {**provenance_attributes(about), "finished": finished}
+    origin = {**about.provenance, "finished": finished}
     seal = seal_of(*map(_as_stored, (root_attributes(about), summary, origin)))
     for name, value in (("finished", finished), (HASH, seal)):
         h5py.h5a.delete(provenance, name.encode())
@@ -189,32 +188,15 @@ def text_bytes(text: str) -> bytes:
 
 def root_attributes(about: RunDescription) -> dict[str, Scalar]:
     """Return the attributes of the root of a file."""
-    formula = JUNCTION_AREA_FORMULAS[pulse_of(about.scenario_resolved).name]
     return {
         "Conventions": CONVENTIONS,
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
         "title": about.title,
         "source": f"rubnoise {package_version('rubnoise')}",
-        "junction_area_formula": TOUCH_AREA_FORMULA if "free" in about.features else formula,
-    }
-
-
-def provenance_attributes(about: RunDescription) -> dict[str, Scalar]:
-    """Return the attributes of /provenance that are known before the run has ended."""
-    origin = about.provenance
-    return {
-        "scenario_toml": about.scenario_toml,
-        "scenario_resolved": json.dumps(about.scenario_resolved, ensure_ascii=False),
-        "software": json.dumps(dict(origin.software)),
-        "environment": json.dumps(dict(origin.environment)),
-        "seed": origin.seed,
-        "stream_version": origin.stream_version,
-        "calibrated_diameter": origin.calibrated_diameter,
-        "propagator_constants": json.dumps(dict(origin.propagator_constants)),
-        "command": origin.command,
-        **({INTERVENTION: origin.intervention} if origin.intervention else {}),
-        "started": origin.started,
+        "junction_area_formula": (
+            TOUCH_AREA_FORMULA if "free" in about.features else JUNCTION_AREA_FORMULAS[about.pulse.name]
+        ),
     }
 
 

@@ -1,7 +1,6 @@
 """The life of any junction as a table that any tool can interpolate, by the pulse that the file names."""
 
 import json
-from collections.abc import Mapping
 from functools import cache
 from typing import Final
 
@@ -31,32 +30,22 @@ TOUCH_AREA_FORMULA: Final = (
 """The area of a junction under a slider that may leave its contact."""
 
 
-def pulse_of(scenario: Mapping[str, object]) -> Pulse:
-    """Return the pulse of a resolved scenario; one that names none is of the lens, through both centres.
-
-    Raises RunFileRefused for a shape or an offset that is not known.
-    """
-    section = scenario.get("pulse", {})
-    shape = section.get("shape", LENS.shape) if isinstance(section, Mapping) else section
-    if not isinstance(shape, str) or shape not in PULSES:
-        raise RunFileRefused(f"the scenario in the file has the pulse shape {str(shape)[:40]!r}, which is not known")
-    offset = section.get("offset", "none") if isinstance(section, Mapping) else "none"
-    if offset == "none":
-        return PULSES[shape]
-    if offset != "uniform" or shape not in OFF_CENTRE:
-        raise RunFileRefused(f"the scenario in the file has the pulse offset {str(offset)[:40]!r}, which is not known")
-    return OFF_CENTRE[shape]
-
-
 def stored_pulse(scenario_resolved: object) -> Pulse:
-    """Return the pulse of the resolved scenario in /provenance; raises RunFileRefused if that is not valid."""
+    """Return the pulse of the resolved scenario in /provenance; one that names none is of the lens, through centres.
+
+    Raises RunFileRefused if the scenario is not valid, or for a shape or an offset that is not known.
+    """
     try:
-        scenario = json.loads(str(scenario_resolved))
-    except (ValueError, RecursionError) as problem:
+        section = json.loads(str(scenario_resolved)).get("pulse", {})
+        shape, offset = section.get("shape", LENS.shape), section.get("offset", "none")
+    except (ValueError, RecursionError, AttributeError) as problem:
         raise RunFileRefused("the scenario in the file cannot be read") from problem
-    if not isinstance(scenario, Mapping):
-        raise RunFileRefused("the scenario in the file cannot be read")
-    return pulse_of(scenario)
+    for what, found, known in (("shape", shape, (*PULSES,)), ("offset", offset, ("none", "uniform"))):
+        if found not in known or (found == "uniform" and shape not in OFF_CENTRE):
+            raise RunFileRefused(
+                f"the scenario in the file has the pulse {what} {str(found)[:40]!r}, which is not known"
+            )
+    return PULSES[shape] if offset == "none" else OFF_CENTRE[shape]
 
 
 HALF_POINTS = 512

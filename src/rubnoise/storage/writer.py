@@ -21,7 +21,7 @@ from rubnoise.record.sink import Columns
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.format import add_group, complete, compose, hdf5_on
 from rubnoise.storage.layout import Name, RunDescription, grows, now, row_count, stored_groups
-from rubnoise.storage.life_curve import life_tables, pulse_of
+from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.output import naming_file, part_file, reason_of
 from rubnoise.storage.schema import Group, Scalar
 
@@ -112,7 +112,7 @@ class RunWriter:
                     descriptor = spool.fileno()
                     self._part.reserve((rows or 0) * dtype.itemsize, descriptor)
                 self._columns[name] = _Column(dtype, descriptor, place, rows)
-        for table, columns in life_tables(pulse_of(self._about.scenario_resolved)).items():
+        for table, columns in life_tables(self._about.pulse).items():
             for each, values in columns.items():
                 if (table, each) in self._columns:
                     self._columns[table, each].write(0, values)
