@@ -3,12 +3,11 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from shutil import disk_usage
 from typing import Final, Literal, TextIO
 
 import numpy as np
 
-from rubnoise.errors import OutputRefused, Refused, needing
+from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import chunks
 from rubnoise.storage.format import Unfailing
 from rubnoise.storage.layout import stored_groups
@@ -147,13 +146,7 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
     """
     groups = {group.name: group for group in stored_groups(file.features)}
     for each in exports:
-        path = check_output(each.path, force=force)
-        if path.exists() and path.samefile(file.path):
-            raise OutputRefused(f"{each.path}: is the run itself")
-        row_bytes = {name: sum(np.dtype(column.dtype).itemsize for column in groups[name].columns) for name in groups}
-        needed, free = sum(file.rows(name) * row_bytes[name] for name in each.groups), disk_usage(path.parent).free
-        if each.kind == "netcdf" and needed > free:
-            raise OutputRefused(f"{each.path}: needs {needed:,} bytes, and the disk has {free:,} free")
+        check_output(each.path, force=force, reads=[file.path])
     with whole_files([each.path for each in exports], force=force) as parts:
         for part, each in zip(parts, exports, strict=True):
             with naming_file(each.path):
