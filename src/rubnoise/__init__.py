@@ -4,8 +4,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.agreement import Agreement as Agreement
     from rubnoise.analysis.findings import Comparison as Comparison
+    from rubnoise.answer import Row as Row
     from rubnoise.api.column_group import Columns as Columns
     from rubnoise.api.columns import Column as Column
     from rubnoise.api.estimates import Autocovariance as Autocovariance
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 HOMES: Final = {
-    "rubnoise.analysis.agreement": ("Agreement",),
+    "rubnoise.answer": ("Row",),
     "rubnoise.analysis.findings": ("Comparison",),
     "rubnoise.runs.verification": ("Verification",),
     "rubnoise.api.column_group": ("Columns",),

@@ -64,17 +64,9 @@ def rows(part: str, *found: tuple[Any, ...]) -> Iterator[Row]:
     return (Row(part=part, name=name, value=value, **beside) for name, value, beside in known if value is not None)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LeftOut:
-    """A question that could not be answered for a run, or only in part, and the reason."""
-
-    name: str
-    reason: str
-
-    @property
-    def row(self) -> Row:
-        """The row of an answer that says so."""
-        return Row(part="left_out", name=self.name, note=self.reason)
+def left_out(name: str, reason: str) -> Row:
+    """Return the row of a question that could not be answered for a run, or only in part."""
+    return Row(part="left_out", name=name, note=reason)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -112,8 +112,8 @@ def test_a_sweep_opened_in_python_has_its_keys_for_dimensions(file: Path) -> Non
         with sweep.run(str(picked[1])) as run:
             assert run.scenario.interface.mean_junction_count == 40.0
             mean = next(figure for figure in run.summary if figure.name == "real_contact_area_mean")
-        assert sweep.runs["real_contact_area_mean"][4] == mean.observed
-        assert sweep.runs["real_contact_area_mean_exact"][4] == mean.expected
+        assert sweep.runs["real_contact_area_mean"][4] == mean.value
+        assert sweep.runs["real_contact_area_mean_exact"][4] == mean.exact
         assert sweep.scenario(1).interface.mean_junction_count == 40.0
         assert sweep.figures[:2] == ("real_contact_area_mean", "real_contact_area_std")
         with pytest.raises(KeyError, match="no run is named"):

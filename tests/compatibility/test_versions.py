@@ -76,7 +76,7 @@ def test_scenario_summary_and_origin_are_read(path: Path) -> None:
         assert run.scenario.resolved() == scenario.resolved()
         assert run.provenance["calibrated_diameter"] == scenario.model().calibrated_diameter
         mean = next(figure for figure in run.summary if figure.name == "real_contact_area_mean")
-    assert [mean.observed, mean.expected] == KEPT[path.stem]["mean_area"]
+    assert [mean.value, mean.exact] == KEPT[path.stem]["mean_area"]
 
 
 # Files of other versions, and files that hold more than this version knows.

@@ -34,7 +34,7 @@ def test_a_report_has_figures_pictures_and_sound(text: str, one_way: Path) -> No
     assert text.count("<audio controls") == 1
     with rubnoise.open(one_way) as run:
         for figure in run.summary:
-            assert f"<td>{figure.observed:,.6g}</td>" in text
+            assert f"<td>{figure.value:,.6g}</td>" in text
     assert all(re.findall(r'<img alt="([^"]*)"', text))
     assert not re.search(r"""(?:src|href)=["'](?!data:)""", text)
 

@@ -66,7 +66,7 @@ def test_right_runs_are_accepted(name: str) -> None:
 
 def test_an_ordinary_run_is_held_against_everything() -> None:
     found = compared("figure 5")
-    assert list(found.parts) == ["births", "junctions", "contact", "slider"]
+    assert list(dict.fromkeys(row.part for row in found.figures)) == ["births", "junctions", "contact", "slider"]
     assert names(found) >= {
         "birth_count",
         "birth_gap_variation",
@@ -121,7 +121,7 @@ def test_an_area_that_regular_births_keep_constant_is_an_identity(monkeypatch: p
     monkeypatch.setattr(comparison, "area_cumulants", lambda model: Cumulants(values=(mean, *(0.0,) * 5)))
     record = recorded(constant, seed_of("comparison/constant"))
     found = {identity.name: identity for identity in compare(constant, record).identities}
-    assert found["real_contact_area"].holds
+    assert not found["real_contact_area"].fails
     assert {figure.name for figure in compare(constant, record).figures} == {"junction_count_mean"}
     ripple = replace(constant, pulse=bare().pulse)
     assert "real_contact_area" in compare(ripple, recorded(ripple, 1)).outside
@@ -192,7 +192,7 @@ def test_right_runs_of_sparse_contact_are_accepted() -> None:
         found = compare(sparse, recorded(sparse, seed, engine="batch"))
         assert found.outside == ()
         shares = {figure.name: figure for figure in found.figures}
-        assert shares["junction_count_zero_share"].expected == pytest.approx(np.exp(-0.05), rel=1e-4)
+        assert shares["junction_count_zero_share"].exact == pytest.approx(np.exp(-0.05), rel=1e-4)
         assert abs(shares["real_contact_area_kolmogorov"].z or 0.0) <= 4.0
 
 

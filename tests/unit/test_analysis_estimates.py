@@ -121,7 +121,7 @@ def test_scores_of_right_samples_are_unit_normals() -> None:
         kolmogorov_figure("x", sample_distance(u, u), 2000) for u in uniform(400 * 2000, "many").reshape(400, -1)
     ]
     scores = np.array([figure.z for figure in figures])
-    plain = [(figure.observed - (figure.expected or 0.0)) / (figure.standard_error or 1.0) for figure in figures]
+    plain = [(figure.value - (figure.exact or 0.0)) / (figure.error or 1.0) for figure in figures]
     assert abs(scores.mean()) <= 4.0 / 20.0
     assert abs(scores.std() - 1.0) <= 4.0 / np.sqrt(2.0 * 400)
     assert abs(float(np.mean(plain))) <= 4.0 / 20.0

@@ -6,11 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.analysis.agreement import (
-    Agreement,
-    family_wise_bound,
-    normal_deviate,
-)
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import (
@@ -21,6 +16,8 @@ from rubnoise.analysis.findings import (
     tail_of_squares,
 )
 from rubnoise.analysis.moments import FEWEST_LIVES, missing_for_motion
+from rubnoise.analysis.scores import family_wise_bound, figure, normal_deviate
+from rubnoise.answer import Row
 from rubnoise.contact.distributions import Exponential, Gamma, Lognormal
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
@@ -52,7 +49,7 @@ def _tally(run: Model, seed: int = 1) -> Tally:
     return tally
 
 
-def _figures(run: Model, tally: Tally | None = None) -> dict[str, Agreement]:
+def _figures(run: Model, tally: Tally | None = None) -> dict[str, Row]:
     return {figure.name: figure for figure in summarise(run, _tally(run) if tally is None else tally)}
 
 
@@ -73,12 +70,12 @@ def test_exact_values_are_those_of_figure_5() -> None:
         "velocity_std": 47241.1,
         "one_way_validity": 47.2411,
     }
-    assert {name: each.expected for name, each in figures.items()} == pytest.approx(expected, rel=1e-6)
-    assert figures["one_way_validity"].observed == figures["velocity_std"].observed / 1000.0
+    assert {name: each.exact for name, each in figures.items()} == pytest.approx(expected, rel=1e-6)
+    assert figures["one_way_validity"].value == figures["velocity_std"].value / 1000.0
 
 
 def _promised(run: Model) -> set[str]:
-    return {name for name, figure in _figures(run).items() if figure.standard_error is not None}
+    return {name for name, figure in _figures(run).items() if figure.error is not None}
 
 
 def test_an_empty_start_promises_nothing() -> None:
@@ -96,9 +93,9 @@ def test_regular_births_promise_their_means_alone() -> None:
 @pytest.mark.slow
 def test_a_constant_area_has_no_shape_to_expect() -> None:
     figures = _figures(bare(births="regular", pulse=TRIANGLE, spread=Spread(absolute=0.0)))
-    assert figures["real_contact_area_std"].expected == 0.0
-    assert figures["real_contact_area_std"].observed < 1e-12 * figures["real_contact_area_mean"].observed
-    assert figures["real_contact_area_skewness"].expected is None
+    assert figures["real_contact_area_std"].exact == 0.0
+    assert figures["real_contact_area_std"].value < 1e-12 * figures["real_contact_area_mean"].value
+    assert figures["real_contact_area_skewness"].exact is None
     assert figures["real_contact_area_mean"].z is None
 
 
@@ -125,7 +122,7 @@ def test_short_runs_promise_their_mean_alone() -> None:
 )
 def test_motion_is_promised_after_ten_decay_times(changes: dict[str, Any], *, promised: bool) -> None:
     figures = _figures(model(**changes))
-    assert {figures[name].standard_error is not None for name in MOTION} == {promised}
+    assert {figures[name].error is not None for name in MOTION} == {promised}
 
 
 def test_a_run_too_short_for_its_motion_says_what_it_needs() -> None:
@@ -153,7 +150,7 @@ def test_a_run_agrees_with_its_theory_and_not_with_another() -> None:
 
 
 # Measured beside exact: scores, and the way into a file and back.
-FULL = Agreement(name="real_contact_area_mean", observed=206.0, expected=204.0, standard_error=0.5)
+FULL = figure("real_contact_area_mean", 206.0, 204.0, 0.5)
 
 
 def test_a_score_counts_standard_errors() -> None:
@@ -217,8 +214,6 @@ def test_a_skewed_mean_is_scored_on_its_own_scale() -> None:
     high, low = (
         judged_mean("x", value, 0.0, 1.0, length=10.0, tail=Tail(skewness=0.3, needed=0.0)) for value in (5.0, -5.0)
     )
-    assert isinstance(high, Agreement)
-    assert isinstance(low, Agreement)
     assert high.z == pytest.approx(10.0 * np.log1p(0.5))
     assert low.z == -5.0
 
@@ -237,7 +232,5 @@ def test_a_right_run_that_holds_one_huge_junction_is_accepted() -> None:
 
 def test_a_row_of_an_answer_has_the_score_and_the_unit() -> None:
     row = {"value": 206.0, "unit": "um^2", "exact": 204.0, "error": 0.5, "z": 4.0}
-    assert FULL.row("summary").to_json() == row
-    assert Agreement(name="events", observed=73084.0, expected=None, standard_error=None).row("summary").to_json() == {
-        "value": 73084.0
-    }
+    assert FULL.to_json() == row
+    assert figure("events", 73084.0, None, None).to_json() == {"value": 73084.0}

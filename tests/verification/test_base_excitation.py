@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import rubnoise
-from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.moments import WORTH_A_WARNING
+from rubnoise.answer import Row
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.pages.report_words import in_words, motion_in_words
@@ -24,7 +24,7 @@ from tests.cli.terminal import call
 from tests.models import contents, recorded
 
 FILE = Path(__file__).parents[2] / "scenarios" / "ancestors" / "rice_moslehy.toml"
-OVER_SPEED = Agreement(name="one_way_validity", observed=0.26, expected=None, standard_error=None)
+OVER_SPEED = Row(name="one_way_validity", value=0.26)
 MANY = ["interface.mean_junction_count=20", "interface.mean_real_contact_area=200 um^2", "slider.heights=sum"]
 
 

@@ -62,7 +62,7 @@ def score(found: Comparison, name: str) -> float:
 
 
 def broken(found: Comparison) -> set[str]:
-    return {identity.name for identity in found.identities if not identity.holds}
+    return {identity.name for identity in found.identities if identity.fails}
 
 
 @pytest.mark.parametrize("run", [ORDINARY, LONG, SPARSE], ids=["ordinary", "long", "sparse"])

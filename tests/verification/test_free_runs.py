@@ -147,7 +147,7 @@ def test_the_mean_load_is_judged_by_its_scatter_over_stretches() -> None:
     """Student's t of 32 stretches; as a deviate of the normal law it is what has the same probability."""
     model = replace(RUNS["elastic"], distance=8000.0, tick=0.2, tick_count=40_000)
     found = next(each for each in compare(model, recorded(model, seed=8)).figures if each.name == "load_mean")
-    t = (found.observed - found.expected) / found.standard_error
+    t = (found.value - found.exact) / found.error
     assert found.z == pytest.approx(norm.isf(student.sf(t, 31)), rel=1e-9)
     assert abs(found.z - t) > 1e-4
 

@@ -212,7 +212,7 @@ def test_errors_are_what_runs_scatter_by() -> None:
 def test_third_octaves_of_a_run_are_those_of_theory(result: Path) -> None:
     with rubnoise.open(result) as file:
         heard, motion = heard_bands(file.reader(), file.model()), load_motion(file.model())
-        std = next(figure.observed for figure in file.summary if figure.name == "normal_velocity_std")
+        std = next(figure.value for figure in file.summary if figure.name == "normal_velocity_std")
     assert heard.velocity == pytest.approx(std, rel=1e-9)
     assert heard.exact is not None
     assert heard.frequency.size > 10

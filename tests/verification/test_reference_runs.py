@@ -115,8 +115,8 @@ def test_the_spread_is_that_of_the_reference_and_not_of_centred_passes() -> None
     assert spread == pytest.approx(1.3559061234577148, rel=1e-9)
     (std,) = (figure for figure in found.figures if figure.name == "real_contact_area_std")
     assert abs(std.z or 0.0) <= 4.0
-    centred = std.expected * 1.2298 / 1.3559
-    assert (std.observed - centred) / std.standard_error > REJECTED
+    centred = std.exact * 1.2298 / 1.3559
+    assert (std.value - centred) / std.error > REJECTED
 
 
 def test_other_offsets_are_rejected(monkeypatch: pytest.MonkeyPatch) -> None:

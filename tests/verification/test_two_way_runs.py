@@ -131,7 +131,7 @@ def figures_of(case: Case, fields: int) -> dict[str, list[float]]:
     for point in points_of([case], fields):
         model = point.scenario.model()
         for figure in summarise(model, _tally(model, point.seed)):
-            found.setdefault(figure.name, []).append(figure.observed)
+            found.setdefault(figure.name, []).append(figure.value)
     return found
 
 

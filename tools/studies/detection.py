@@ -16,11 +16,12 @@ from typing import Final
 
 from parts import fill, table
 
-from rubnoise.analysis.agreement import Agreement, family_wise_bound
 from rubnoise.analysis.births import central_moments
 from rubnoise.analysis.comparison import compare
-from rubnoise.analysis.findings import NORMAL, Finding, judged, judged_mean, poisson_figure
+from rubnoise.analysis.findings import NORMAL, judged, judged_mean, poisson_figure
 from rubnoise.analysis.moments import needed_for_mean
+from rubnoise.analysis.scores import family_wise_bound
+from rubnoise.answer import Row
 from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.distributions import Fixed
 from rubnoise.contact.laws import Spread, law_for
@@ -142,13 +143,13 @@ def scores(right: Model, wrong: Model, length: float) -> dict[str, float]:
     expected, seen = area_cumulants(right), area_cumulants(wrong)
     still = mean_displacement_error(right, length)
 
-    def mean(name: str, right: float, wrong: float, error: float) -> Finding:
+    def mean(name: str, right: float, wrong: float, error: float) -> Row:
         return judged_mean(name, _nearer(right, wrong, error), right, error, length=length, tail=NORMAL)
 
-    def square(name: str, right: float, wrong: float, error: float) -> Finding:
+    def square(name: str, right: float, wrong: float, error: float) -> Row:
         return judged(name, _nearer(right, wrong, error), right, error, length=length)
 
-    found: list[Finding] = [
+    found: list[Row] = [
         poisson_figure("birth_count", round(_nearer(births, wrong.birth_rate * length, sqrt(births))), births),
         mean("diameter_mean", right.sizes.moment(1), wrong.sizes.moment(1), spread / sqrt(births)),
         square("diameter_std", spread, wider, sqrt((fourth - second**2) / births) / (2.0 * spread)),
@@ -158,7 +159,7 @@ def scores(right: Model, wrong: Model, length: float) -> dict[str, float]:
         square("displacement_std", exact.displacement_std, other.displacement_std, motion["displacement_std"] * root),
         square("velocity_std", exact.velocity_std, other.velocity_std, motion["velocity_std"] * root),
     ]
-    return {each.name: each.z or 0.0 for each in found if isinstance(each, Agreement)}
+    return {each.name: each.z or 0.0 for each in found if not each.part}
 
 
 def _nearer(right: float, wrong: float, error: float) -> float:

@@ -9,11 +9,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.agreement import Agreement, normal_deviate
 from rubnoise.analysis.findings import (
     LARGEST_SKEWNESS,
-    Finding,
-    Identity,
+    identity,
     judged,
     poisson_figure,
     tail_of_squares,
@@ -22,7 +20,8 @@ from rubnoise.analysis.findings import (
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
 from rubnoise.analysis.measured import STRETCHES, MeasuredRun
 from rubnoise.analysis.records import longer
-from rubnoise.answer import LeftOut
+from rubnoise.analysis.scores import figure, normal_deviate
+from rubnoise.answer import Row, left_out
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
 from rubnoise.contact.distributions import Fixed, has_single_values
@@ -42,7 +41,7 @@ _NARROW: Final = 1e-3
 _RARE: Final = 1e-9
 
 
-def births(seen: MeasuredRun) -> Iterator[Finding]:
+def births(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the number of births, their gaps and their places beside their law."""
     model, found = seen.model, seen.births
     expected = model.birth_rate * model.distance
@@ -63,7 +62,7 @@ def births(seen: MeasuredRun) -> Iterator[Finding]:
         yield kolmogorov_figure("birth_place_kolmogorov", found.places.distance(), found.count)
 
 
-def _gap_variation(seen: MeasuredRun) -> Finding:
+def _gap_variation(seen: MeasuredRun) -> Row:
     """Return variance over squared mean of the n + 1 gaps into which n births divide the run.
 
     The births of a Poisson process are uniform on the run once their number is known, and so the sum of squared shares
@@ -79,17 +78,17 @@ def _gap_variation(seen: MeasuredRun) -> Finding:
     return judged(name, value, (n + 1) * 2.0 / (n + 2) - 1.0, error, length=model.distance, skewness=5.0)
 
 
-def _regular(seen: MeasuredRun) -> Iterator[Finding]:
+def _regular(seen: MeasuredRun) -> Iterator[Row]:
     model, found = seen.model, seen.births
     spacing = model.mean_birth_spacing
     away = max(found.longest - spacing, spacing - found.shortest) if found.count > 1 else 0.0
     rounding = 2.0 * ROUNDING * (model.distance + found.count * spacing)  # a place is a sum of gaps, each rounded
     missing = abs(found.count - model.distance / spacing)
-    yield Identity(name="birth_gap", deviation=away, allowed=rounding, units="um")
-    yield Identity(name="birth_count", deviation=missing, allowed=1.0 + rounding / spacing, units="")
+    yield identity("birth_gap", away, rounding, "um")
+    yield identity("birth_count", missing, 1.0 + rounding / spacing, "")
 
 
-def _windows(seen: MeasuredRun) -> Iterator[Finding]:
+def _windows(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the number of births, and the variance of their numbers in windows, whose errors are from its scatter."""
     model, found = seen.model, seen.births
     needed = max(30.0 * model.births.memory, STRETCHES * 2.0 * model.births.memory)
@@ -100,7 +99,7 @@ def _windows(seen: MeasuredRun) -> Iterator[Finding]:
         # Long beside what births remember, their number varies by its dispersion; near the ends they lack neighbours.
         expected = model.birth_rate * model.distance
         error = (model.births.dispersion * expected) ** 0.5
-        yield Agreement(name="birth_count", observed=float(found.count), expected=expected, standard_error=error)
+        yield figure("birth_count", float(found.count), expected, error)
     for windows in found.windows:
         name = f"birth_count_variance_{windows.length:.3g}"
         if windows.each < STRETCHES:
@@ -119,17 +118,17 @@ def number_variance(model: Model, length: float) -> float:
     return model.birth_rate * (length + more + 2.0 * model.birth_rate * kept)
 
 
-def scattered(name: str, means: Doubles, expected: float) -> Agreement:
+def scattered(name: str, means: Doubles, expected: float) -> Row:
     """Return the mean of independent stretches with the error of their scatter; its score is Student's t."""
     from scipy.special import stdtr
 
     error = float(means.std(ddof=1)) / sqrt(means.size)
     t = (float(means.mean()) - expected) / error if error else 0.0
     deviate = normal_deviate(float(stdtr(means.size - 1, t)), float(stdtr(means.size - 1, -t)))
-    return Agreement(name=name, observed=float(means.mean()), expected=expected, standard_error=error, deviate=deviate)
+    return figure(name, float(means.mean()), expected, error, deviate)
 
 
-def start(seen: MeasuredRun) -> Iterator[Finding]:
+def start(seen: MeasuredRun) -> Iterator[Row]:
     """Yield number, ages and diameters at the start beside their laws; raises Refused unless births are random.
 
     The number is Poisson(lam E[life]), ages are uniform over a life, diameters have a density proportional to d f(d),
@@ -154,7 +153,7 @@ def start(seen: MeasuredRun) -> Iterator[Finding]:
         yield kolmogorov_figure("start_offset_kolmogorov", sample_distance(below, below), ages.size)
 
 
-def marks(seen: MeasuredRun) -> Iterator[Finding]:
+def marks(seen: MeasuredRun) -> Iterator[Row]:
     """Yield mean, spread and law of the diameters and strengths that junctions are born with."""
     model, found = seen.model, seen.births
     if not found.count:
@@ -175,11 +174,11 @@ def marks(seen: MeasuredRun) -> Iterator[Finding]:
         yield from _drawn(seen, "shear_strength", model.strengths)
 
 
-def _alike(seen: MeasuredRun, name: str, value: float, units: str) -> Finding:
-    return Identity(name=name, deviation=seen.births.deviations[name], allowed=ROUNDING * value, units=units)
+def _alike(seen: MeasuredRun, name: str, value: float, units: str) -> Row:
+    return identity(name, seen.births.deviations[name], ROUNDING * value, units)
 
 
-def _drawn(seen: MeasuredRun, name: str, law: Any) -> Iterator[Finding]:
+def _drawn(seen: MeasuredRun, name: str, law: Any) -> Iterator[Row]:
     """Yield mean and std of independent values: errors std/sqrt(n), and sqrt((mu_4 - mu_2^2)/n) over 2 std."""
     found = seen.births.moments[name]
     mean, length = law.moment(1), found.count * seen.model.mean_birth_spacing
@@ -189,9 +188,9 @@ def _drawn(seen: MeasuredRun, name: str, law: Any) -> Iterator[Finding]:
         yield too_short(f"{name}_mean", longer(length, skewness, LARGEST_SKEWNESS))
     else:
         error = std / sqrt(found.count)
-        yield Agreement(name=f"{name}_mean", observed=found.mean, expected=mean, standard_error=error)
+        yield figure(f"{name}_mean", found.mean, mean, error)
     if std < _NARROW * mean:
-        yield LeftOut(name=f"{name}_std", reason="the law is too narrow for its moments to show it")
+        yield left_out(f"{name}_std", "the law is too narrow for its moments to show it")
         return
     error = sqrt((fourth - second**2) / found.count) / (2.0 * std)
     tail = tail_of_squares(law, mean, found.count, length)
@@ -205,14 +204,14 @@ def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float
     return second, third, m4 - 4 * m1 * m3 + 6 * m1**2 * m2 - 3 * m1**4
 
 
-def sums(seen: MeasuredRun) -> Iterator[Finding]:
+def sums(seen: MeasuredRun) -> Iterator[Row]:
     """Yield how far area, count and force of the trace are from the sums over lives; only rounding is allowed."""
     model, (area, count, force) = seen.model, seen.differences()
     reach, largest = model.distance + 2.0 * seen.largest, seen.largest
     # Distances are known to a rounding of the farthest; so are ages, and areas by their slope of at most pi d/2.
     rounding = seen.most_alive() * largest * (AREA_ROUNDING * largest + 4.0 * ROUNDING * reach)
-    yield Identity(name="area_from_rows", deviation=float(area), allowed=rounding, units="um^2")
-    yield Identity(name="count_from_rows", deviation=float(count), allowed=0.0, units="")
+    yield identity("area_from_rows", float(area), rounding, "um^2")
+    yield identity("count_from_rows", float(count), 0.0, "")
     if model.strengths is not None and model.held is None and not isinstance(model.strengths, Fixed):
         strongest = float(model.strengths.quantile(np.array([1.0 - _RARE]))[0])
-        yield Identity(name="force_from_rows", deviation=float(force), allowed=strongest * rounding, units="uN")
+        yield identity("force_from_rows", float(force), strongest * rounding, "uN")

@@ -9,7 +9,6 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.births import ROUNDING, births, marks, scattered, start, sums
 from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
@@ -17,10 +16,9 @@ from rubnoise.analysis.findings import (
     LARGEST_ERROR,
     LARGEST_TAIL_SKEWNESS,
     Comparison,
-    Finding,
-    Identity,
     Tail,
     comparison,
+    identity,
     judged,
     judged_mean,
     tail_of,
@@ -32,7 +30,7 @@ from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, needed_f
 from rubnoise.analysis.records import RecordTooShort, longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
 from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
-from rubnoise.answer import LeftOut
+from rubnoise.answer import Row, left_out
 from rubnoise.contact.distributions import Fixed
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model
@@ -56,27 +54,27 @@ _STEP_ERROR: Final = 1e-9
 _FAR: Final = 12.0
 
 
-def area(seen: MeasuredRun) -> Iterator[Finding]:
+def area(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the moments of real contact area, or a relation if regular births keep it constant."""
     expected, found = area_cumulants(seen.model), seen.moments[AREA]
     if expected.variance == 0.0:
         away = max(abs(found.mean - expected.mean), found.std)
-        yield Identity(name="real_contact_area", deviation=away, allowed=1e-9 * expected.mean, units="um^2")
+        yield identity("real_contact_area", away, 1e-9 * expected.mean, "um^2")
     else:
         yield from moments(seen, AREA)
 
 
-def force(seen: MeasuredRun) -> Iterator[Finding]:
+def force(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the friction force beside its law: psi A_r tick by tick for one strength, else its moments."""
     strengths, found = seen.model.strengths, seen.moments[AREA]
     if isinstance(strengths, Fixed) and "friction_force" in seen.off and seen.model.held is None:
         allowed = ROUNDING * strengths.mean * (found.mean + _FAR * found.std)
-        yield Identity(name="friction_force", deviation=seen.off["friction_force"], allowed=allowed, units="uN")
+        yield identity("friction_force", seen.off["friction_force"], allowed, "uN")
     elif strengths is not None:
         yield from moments(seen, FORCE)
 
 
-def memory(seen: MeasuredRun) -> Iterator[Finding]:
+def memory(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the autocovariance at shares of a mean life; raises Refused unless births are random.
 
     It is taken about the mean of the record, which makes it smaller by the variance of that mean.
@@ -93,7 +91,7 @@ def memory(seen: MeasuredRun) -> Iterator[Finding]:
         yield judged(f"real_contact_area_autocovariance_{lag:.3g}", *values, length=length, scale=scale, tail=tail)
 
 
-def spectrum(seen: MeasuredRun) -> Iterator[Finding]:
+def spectrum(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the power of eight bands of wavenumber beside that of an estimate, aliases and leakage included.
 
     Raises Refused unless births are random.
@@ -134,7 +132,7 @@ def _stretch(seen: MeasuredRun) -> tuple[Model, Model, float]:
     return seen.model, over_ticks(seen.model, ticks, seen.model.tick), ticks * seen.model.tick
 
 
-def law_of_area(seen: MeasuredRun) -> Iterator[Finding]:
+def law_of_area(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the share of ticks without contact, and the distance of the areas' distribution from the exact one.
 
     If the share has a score, the distribution is that of the areas in contact: the atom and the continuous part have a
@@ -142,14 +140,14 @@ def law_of_area(seen: MeasuredRun) -> Iterator[Finding]:
     """
     atom = distribution(seen.model).atom_at_zero
     share = _zero_share(seen)
-    if isinstance(share, Agreement):
+    if share.value is not None:
         yield from (share, _distance(seen, in_contact=True))
     else:
         yield _distance(seen, in_contact=False)
         yield from [share] if atom > SMALLEST_ATOM else []
 
 
-def _zero_share(seen: MeasuredRun) -> Finding:
+def _zero_share(seen: MeasuredRun) -> Row:
     """Return the share of ticks at which no junction is alive, all ticks of the stationary part."""
     _, stretch, length = _stretch(seen)
     (exact, error, skewness), name = zero_share(stretch), "junction_count_zero_share"
@@ -160,7 +158,7 @@ def _zero_share(seen: MeasuredRun) -> Finding:
     return judged_mean(name, value, exact, error, length=length, tail=tail)
 
 
-def _distance(seen: MeasuredRun, *, in_contact: bool) -> Finding:
+def _distance(seen: MeasuredRun, *, in_contact: bool) -> Row:
     """Return the distance from the law of all areas, or from that of the areas while a junction is alive.
 
     Ticks farther apart than the longest life share no junction: their areas are independent.
@@ -180,16 +178,16 @@ def _distance(seen: MeasuredRun, *, in_contact: bool) -> Finding:
 
 
 # The motion.
-def balance(seen: MeasuredRun) -> Iterator[Finding]:
+def balance(seen: MeasuredRun) -> Iterator[Row]:
     """Yield what a two-way slider's balance of energy lacks: 0, but for the error of its steps and rounding."""
     if seen.model.is_two_way and seen.last:
         found = Balance.of(seen.model, seen.last)
         rounding = 2.0 * ROUNDING * sqrt(max(100.0 * seen.model.distance / seen.model.calibrated_diameter, 1.0))
         allowed, away = (_STEP_ERROR + rounding) * found.scale, abs(found.energy_residual) * found.scale
-        yield Identity(name="energy", deviation=away, allowed=allowed, units="uN um")
+        yield identity("energy", away, allowed, "uN um")
 
 
-def mean_force(seen: MeasuredRun) -> Iterator[Finding]:
+def mean_force(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the mean force over time beside its law, int G ds being what Campbell's theorem expects of it.
 
     <F> = (E[F] s + c int x'^2 dt + 2 int_(w < 0) G |ds| + [E])/(V T); int G ds has the standard error s sqrt(S_F(0)/s),
@@ -209,7 +207,7 @@ def mean_force(seen: MeasuredRun) -> Iterator[Finding]:
     yield judged_mean("mean_force", found.mean_force, expected, error, length=model.distance, tail=tail)
 
 
-def motion(seen: MeasuredRun) -> Iterator[Finding]:
+def motion(seen: MeasuredRun) -> Iterator[Row]:
     """Yield mean and std of displacement and std of velocity, and over a base how far its height is from the area's.
 
     For a two-way slider the figures are known if coupling is weak. Raises Refused if theory has no motion for the
@@ -221,10 +219,10 @@ def motion(seen: MeasuredRun) -> Iterator[Finding]:
     if "base_displacement" in seen.off:
         highest = model.base_per_area * (seen.moments[AREA].mean + _FAR * seen.moments[AREA].std)
         off = seen.off["base_displacement"]
-        yield Identity(name="base_displacement", deviation=off, allowed=ROUNDING * highest, units="um")
+        yield identity("base_displacement", off, ROUNDING * highest, "um")
     motion_of(model)
     if model.slider.damping == 0.0:
-        yield LeftOut(name="displacement", reason="a slider without damping never forgets its start")
+        yield left_out("displacement", "a slider without damping never forgets its start")
         return
     decays = FEWEST_DECAYS * slowest_decay(model.slider) * drive_of(model).speed
     needed = seen.layout.first["slider"] * model.tick + max(decays, needed_for_mean(model))
@@ -234,7 +232,7 @@ def motion(seen: MeasuredRun) -> Iterator[Finding]:
         yield from moments(seen, PLACE, SPEED)
 
 
-def load(seen: MeasuredRun) -> Iterator[Finding]:
+def load(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the load beside P = H A - W z/s_0 tick by tick, the force beside psi P/H, and moments of the motion."""
     model = seen.model
     if model.separation is None:
@@ -250,16 +248,16 @@ def load(seen: MeasuredRun) -> Iterator[Finding]:
         yield from moments(seen, GAP, RISE, BORNE, RUBBED)
 
 
-def _borne(seen: MeasuredRun, allowed: float) -> Iterator[Finding]:
+def _borne(seen: MeasuredRun, allowed: float) -> Iterator[Row]:
     """Yield how far load and force are at most from what area and separation give."""
     if "load" in seen.off:
-        yield Identity(name="load", deviation=seen.off["load"], allowed=allowed, units="uN")
+        yield identity("load", seen.off["load"], allowed, "uN")
     if isinstance(seen.model.strengths, Fixed) and seen.model.held is not None and "friction_force" in seen.off:
         force = allowed * seen.model.strengths.mean / seen.model.held.hardness
-        yield Identity(name="friction_force", deviation=seen.off["friction_force"], allowed=force, units="uN")
+        yield identity("friction_force", seen.off["friction_force"], force, "uN")
 
 
-def flight(seen: MeasuredRun, free: FreeSeparation) -> Iterator[Finding]:
+def flight(seen: MeasuredRun, free: FreeSeparation) -> Iterator[Row]:
     """Yield the exact relations of free motion: e^2 H A <= P <= H A with a restitution e, F = psi A, and momentum.
 
     The mean of P, less the momentum m [z'] + c [z] that a stretch has gained, is W, and that of an elastic contact H A.
@@ -277,7 +275,7 @@ def flight(seen: MeasuredRun, free: FreeSeparation) -> Iterator[Finding]:
         yield scattered("real_contact_area_mean", means, seen.model.mean_real_contact_area)
 
 
-Producer = Callable[[MeasuredRun], Iterator[Finding]]
+Producer = Callable[[MeasuredRun], Iterator[Row]]
 
 PARTS: Final[dict[str, tuple[str, dict[str, Producer]]]] = {
     "births": ("", {"birth": births, "start": start}),
@@ -308,7 +306,7 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     """
     seen = measured_run(model, rows)
     if model.free is not None:
-        found = (*flight(seen, model.free), LeftOut(name="everything else", reason=SILENT))
+        found = (*flight(seen, model.free), left_out("everything else", SILENT))
         return comparison({"load": found}, {"load": 0.0}, bound)
     first, needed = seen.layout.first["trace"] * model.tick, needed_for_mean(model)
     if seen.ticks() * model.tick < needed:
@@ -318,14 +316,14 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     return comparison({heading: _found(seen, producers) for heading, (_, producers) in PARTS.items()}, begins, bound)
 
 
-def _found(seen: MeasuredRun, producers: Mapping[str, Producer]) -> list[Finding]:
+def _found(seen: MeasuredRun, producers: Mapping[str, Producer]) -> list[Row]:
     """Return the findings of a part; of a figure that theory refuses, its name and the reason."""
-    found: list[Finding] = []
+    found: list[Row] = []
     for name, produce in producers.items():
         try:
             found += produce(seen)
         except RunFileRefused:
             raise
         except Refused as refusal:
-            found.append(LeftOut(name=name, reason=str(refusal)))
+            found.append(left_out(name, str(refusal)))
     return found

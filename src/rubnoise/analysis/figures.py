@@ -12,11 +12,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.agreement import Agreement
+from rubnoise.analysis import scores
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.findings import Finding, judged, judged_mean, tail_of
+from rubnoise.analysis.findings import judged, judged_mean, tail_of
 from rubnoise.analysis.measured import MeasuredRun
 from rubnoise.analysis.moments import FEWEST_DECAYS, FEWEST_LIVES, decays_of, over_ticks
+from rubnoise.answer import Row
 from rubnoise.contact.births import RegularBirths
 from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model
@@ -236,7 +237,7 @@ def _errors(errors: Errors, span: Span) -> dict[str, float]:
     return errors(span)
 
 
-def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Finding]:
+def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Row]:
     """Yield every moment of some columns that the run has, and of which theory knows the error."""
     model = seen.model
     for figure in FIGURES:
@@ -256,7 +257,7 @@ def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Finding]:
 
 
 # A summary.
-def summarise(model: Model, tally: Tally) -> list[Agreement]:
+def summarise(model: Model, tally: Tally) -> list[Row]:
     """Return every figure of a run with its exact value, and its standard error if it has one."""
     theory, found = theory_of(model), {}
     for name, figure in KEPT.items():
@@ -267,10 +268,8 @@ def summarise(model: Model, tally: Tally) -> list[Agreement]:
         kept = {name: both for name, both in found.items() if FIGURE_NAMES[name].needs != "slider"}
         moved = _two_way_motion(model, tally)
         found = kept | {name: (value, theory[name][0] if name in theory else exact) for name, (value, exact) in moved}
-    return [
-        Agreement(name=name, observed=value, expected=exact, standard_error=theory[name][1] if name in theory else None)
-        for name, (value, exact) in found.items()
-    ]
+    errors = {name: error for name, (_, error) in theory.items()}
+    return [scores.figure(name, value, exact, errors.get(name)) for name, (value, exact) in found.items()]
 
 
 @lru_cache(maxsize=8)

@@ -4,16 +4,15 @@ A number and its standard error become a figure with a score, or a reason why it
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import groupby
+from dataclasses import dataclass, replace
 from math import inf, isfinite, log1p
 from typing import Final, Protocol
 
 import numpy as np
 
-from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, Agreement, family_wise_bound, normal_deviate, outside
 from rubnoise.analysis.records import longer
-from rubnoise.answer import Answer, LeftOut, Row
+from rubnoise.analysis.scores import FAMILY_WISE_ERROR, family_wise_bound, figure, normal_deviate
+from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.streams import LARGEST_UNIFORM
@@ -93,38 +92,13 @@ def _shape(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float
     return third / births**0.5, fourth / births
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Identity:
-    """A relation that holds in every correct run except for rounding: its largest deviation, and the allowed one.
-
-    Both in ``units``.
-    """
-
-    name: str
-    deviation: float
-    allowed: float
-    units: str
-
-    @property
-    def holds(self) -> bool:
-        """Whether rounding explains the deviation."""
-        return self.deviation <= self.allowed
-
-    @property
-    def row(self) -> Row:
-        """The row of an answer: the deviation from 0, and the allowed one as its error."""
-        return Row(
-            part="identities",
-            name=self.name,
-            value=self.deviation,
-            unit=self.units,
-            exact=0.0,
-            error=self.allowed,
-            fails=not self.holds,
-        )
+IDENTITIES: Final = "identities"
 
 
-Finding = Agreement | Identity | LeftOut
+def identity(name: str, deviation: float, allowed: float, unit: str) -> Row:
+    """Return a relation that holds in every right run but for rounding: its largest deviation, and the allowed one."""
+    fails = not deviation <= allowed
+    return Row(part=IDENTITIES, name=name, value=deviation, unit=unit, exact=0.0, error=allowed, fails=fails)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -133,7 +107,7 @@ class Comparison(Answer):
 
     ``passed`` is true if all figures lie within ``bound`` and all identities hold; ``outside`` names those that do not,
     ``left_out`` names figures that could not be compared, with the reason. ``bound`` is the largest |z| that a correct
-    run may have; ``by_family``: it is the family-wise bound of all figures, and not one that the caller gave.
+    run may have.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -142,19 +116,18 @@ class Comparison(Answer):
     (True, (), 'births')
     """
 
-    parts: Mapping[str, tuple[Finding, ...]] = field(default_factory=dict)
     bound: float = inf
-    by_family: bool = True
 
     @property
-    def figures(self) -> list[Agreement]:
-        """Every figure with a score."""
-        return [each for part in self.parts.values() for each in part if isinstance(each, Agreement)]
+    def figures(self) -> list[Row]:
+        """Every figure, under the heading of its part."""
+        beside = {"", IDENTITIES, "left_out"}
+        return [row for row in self.rows if row.part not in beside and row.name != "begins"]
 
     @property
-    def identities(self) -> list[Identity]:
+    def identities(self) -> list[Row]:
         """Every identity."""
-        return [each for part in self.parts.values() for each in part if isinstance(each, Identity)]
+        return [row for row in self.rows if row.part == IDENTITIES]
 
     @property
     def outside(self) -> tuple[str, ...]:
@@ -163,34 +136,25 @@ class Comparison(Answer):
 
 
 def comparison(
-    found: Mapping[str, Sequence[Finding]], begins: Mapping[str, float], bound: float | None = None
+    found: Mapping[str, Sequence[Row]], begins: Mapping[str, float], bound: float | None = None
 ) -> Comparison:
     """Return the findings of each part, whose records ``begin`` at distances in um.
 
     Without a bound it is the family-wise bound of all their figures.
     """
-    kept = {heading: tuple(part) for heading, part in found.items() if part}
-    every = [(heading, each) for heading, part in kept.items() for each in part]
-    figures = [(heading, each) for heading, each in every if isinstance(each, Agreement)]
-    scored = sum(figure.z is not None for _, figure in figures)
+    figures = {heading: [row for row in part if not row.part] for heading, part in found.items()}
+    scored = sum(row.z is not None for part in figures.values() for row in part)
     limit = family_wise_bound(scored) if bound is None else bound
-    beyond = outside((figure for _, figure in figures), limit)
     rows = [Row(name="bound", value=limit)]
-    for heading, some in groupby(figures, key=lambda pair: pair[0]):
-        if begins[heading]:
+    for heading, part in figures.items():
+        if part and begins[heading]:
             rows.append(Row(part=heading, name="begins", value=begins[heading], unit="um"))
-        rows += [figure.row(heading, fails=figure in beyond) for _, figure in some]
-    rows += [each.row for _, each in every if isinstance(each, Identity)]
-    rows += [each.row for _, each in every if isinstance(each, LeftOut)]
-    identities = sum(isinstance(each, Identity) for _, each in every)
+        rows += [replace(row, part=heading, fails=row.z is not None and not abs(row.z) <= limit) for row in part]
+    others = sorted((row for part in found.values() for row in part if row.part), key=lambda row: row.part)
+    identities = sum(row.part == IDENTITIES for row in others)
     whence = f", which all keep in {1.0 - FAMILY_WISE_ERROR:.1%} of right runs" if bound is None else ""
-    return Comparison(
-        rows=tuple(rows),
-        judged=f"{scored} figures and {identities} identities compared, |z| <= {limit:.3g}{whence}",
-        parts=kept,
-        bound=limit,
-        by_family=bound is None,
-    )
+    judged = f"{scored} figures and {identities} identities compared, |z| <= {limit:.3g}{whence}"
+    return Comparison(rows=(*rows, *others), judged=judged, bound=limit)
 
 
 LARGEST_ERROR = 0.1
@@ -215,7 +179,7 @@ def judged(
     scale: float | None = None,
     skewness: float = SKEWNESS,
     tail: Tail = NORMAL,
-) -> Finding:
+) -> Row:
     """Return a figure with its score, or the length that it needs if its error exceeds a tenth of its ``scale``.
 
     The scale is the expected value if none is given; ``length`` (um) is that of the record. Estimates of squares
@@ -235,7 +199,7 @@ def judged(
     )
 
 
-def judged_mean(name: str, observed: float, expected: float, error: float, *, length: float, tail: Tail) -> Finding:
+def judged_mean(name: str, observed: float, expected: float, error: float, *, length: float, tail: Tail) -> Row:
     """Return a figure with its score, or the length that it needs if its ``tail`` is too heavy for a score.
 
     On the side of the longer tail, above the expected value for a skewness g > 0 and below it for g < 0, the score is
@@ -247,16 +211,16 @@ def judged_mean(name: str, observed: float, expected: float, error: float, *, le
     if z is not None and z * tail.skewness > 0.0:
         third = tail.skewness / 3.0
         z = log1p(third * z) / third
-    return Agreement(name=name, observed=observed, expected=expected, standard_error=error, deviate=z)
+    return figure(name, observed, expected, error, z)
 
 
-def too_short(name: str, needed: float) -> LeftOut:
+def too_short(name: str, needed: float) -> Row:
     """Return a figure left out because the run is too short, with the length in um that it needs."""
     needs = f"it needs about {needed:.3g} um" if isfinite(needed) else "no length would do"
-    return LeftOut(name=name, reason=f"the run is too short; {needs}")
+    return left_out(name, f"the run is too short; {needs}")
 
 
-def poisson_figure(name: str, observed: int, mean: float) -> Agreement:
+def poisson_figure(name: str, observed: int, mean: float) -> Row:
     """Return a count beside the mean of its Poisson law, with the score of its tail probability."""
     from scipy.special import pdtr, pdtrc
 
@@ -264,4 +228,4 @@ def poisson_figure(name: str, observed: int, mean: float) -> Agreement:
     if mean < _MANY:
         above = float(pdtrc(observed - 1, mean)) if observed else 1.0
         deviate = normal_deviate(float(pdtr(observed, mean)), above)
-    return Agreement(name=name, observed=float(observed), expected=mean, standard_error=mean**0.5, deviate=deviate)
+    return figure(name, float(observed), mean, mean**0.5, deviate)

@@ -4,7 +4,8 @@ from math import sqrt
 
 import numpy as np
 
-from rubnoise.analysis.agreement import Agreement, normal_deviate
+from rubnoise.analysis.scores import figure, normal_deviate
+from rubnoise.answer import Row
 from rubnoise.arrays import Doubles
 
 FEWEST = 10
@@ -17,7 +18,7 @@ _CONTINUOUS = 1e-3  # atom up to which small distances are as improbable as thos
 _MEAN, _STD = 0.868731, 0.260333
 
 
-def kolmogorov_figure(name: str, distance: float, count: int, atom: float = 0.0) -> Agreement:
+def kolmogorov_figure(name: str, distance: float, count: int, atom: float = 0.0) -> Row:
     """Return the figure of the largest distance between the distribution functions of independent values and their law.
 
     It has the mean and standard deviation of the distance for a right law. Its score is that of its tail probability; 0
@@ -27,13 +28,8 @@ def kolmogorov_figure(name: str, distance: float, count: int, atom: float = 0.0)
     """
     tail = distance_tail(distance, count)
     below = 1.0 - tail if count > _EXACT_UP_TO and atom <= _CONTINUOUS else 0.5
-    return Agreement(
-        name=name,
-        observed=distance,
-        expected=_MEAN / sqrt(count),
-        standard_error=_STD / sqrt(count),
-        deviate=normal_deviate(below, tail),
-    )
+    root = sqrt(count)
+    return figure(name, distance, _MEAN / root, _STD / root, normal_deviate(below, tail))
 
 
 def distance_tail(distance: float, count: int) -> float:

@@ -13,12 +13,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.covariance import CovarianceSum
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.histogram import HistogramSum
 from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, bands_of, hann
+from rubnoise.answer import Row
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -134,7 +134,7 @@ class RunSummary:
     `rubnoise.analysis.run_summary.curve_theory` returns the places of the curves and their expected values.
     """
 
-    figures: list[Agreement]
+    figures: list[Row]
     curves: dict[str, Doubles]
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
-from rubnoise.analysis.agreement import from_attributes
+from rubnoise.analysis.scores import from_attributes
 from rubnoise.api.column_group import (
     GROUP_HEADS,
     Columns,

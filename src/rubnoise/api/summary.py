@@ -2,33 +2,31 @@
 
 from typing import TYPE_CHECKING
 
-from rubnoise.analysis.agreement import Agreement
-from rubnoise.errors import needing
-from rubnoise.tables import as_html, as_text, in_short, shortened
+from rubnoise.answer import Answer, Row
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
 
-_HEADS = ("figure", "measured", "exact", "error", "z")
 
+class Summary(list[Row]):
+    """The figures in the order of the file: ``run.summary[0].z``.
 
-class Summary(list[Agreement]):
-    """The figures in the order of the file: ``run.summary[0].z``."""
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     first = run.summary[0]
+    >>> first.name, first.z is not None and abs(first.z) < 4.0
+    ('real_contact_area_mean', True)
+    """
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        seen = ((each.name, each.observed, each.expected, each.standard_error, each.z) for each in self)
-        return [(name, *("" if value is None else in_short(value) for value in values)) for name, *values in seen]
+    def _answer(self) -> Answer:
+        return Answer(title="measured figures", rows=tuple(self))
 
     def __repr__(self) -> str:
-        return shortened(as_text(_HEADS, self._rows(), range(1, len(_HEADS))))
+        return repr(self._answer())
 
     def _repr_html_(self) -> str:
-        return as_html("measured figures", _HEADS, self._rows())
+        return self._answer()._repr_html_()
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return the figures as a pandas DataFrame whose index is their name; raises ExtraMissing without pandas."""
-        with needing("analysis", "to_pandas"):
-            import pandas as pd
-        columns = ("observed", "expected", "standard_error", "z")
-        values = {column: [getattr(each, column) for each in self] for column in columns}
-        return pd.DataFrame(values, index=pd.Index([each.name for each in self], name="figure"))
+        return self._answer().to_pandas().set_index("name")

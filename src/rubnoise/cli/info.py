@@ -67,7 +67,7 @@ def run_answer(run: "Run", file: Path) -> Answer:
 
     known = derived(run.scenario, f"{file}: {run.attributes['title']}", warned=False)
     heard, bands = _normal_motion(run)
-    figures = [figure.row("summary") for figure in run.summary]
+    figures = [replace(row, part="summary") for row in run.summary]
     return replace(known, rows=(*_origin(run, file), *known.rows, *figures, *heard), tables=tuple(bands))
 
 

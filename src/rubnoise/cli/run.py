@@ -112,7 +112,7 @@ def _print_result(
     told = (("output", str(path)), ("seed", result.provenance["seed"]), ("junctions", junctions), ("ticks", ticks))
     answer = Answer(
         title=f"{path}: {grouped(junctions)} junctions, {grouped(ticks)} ticks, {size(count)}, in {seconds:.1f} s",
-        rows=(*rows("result", *told, ("bytes", count, "B")), *(figure.row("summary") for figure in result.summary)),
+        rows=(*rows("result", *told, ("bytes", count, "B")), *(replace(row, part="summary") for row in result.summary)),
     )
     _print(answer, warnings, [], as_json=as_json, quiet=quiet)
     if not (as_json or quiet):

@@ -6,9 +6,10 @@ from html import escape
 from math import isfinite, nan
 from typing import Final
 
-from rubnoise.analysis.agreement import Agreement, from_attributes
+from rubnoise.analysis.scores import from_attributes
 from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.analysis.third_octaves import heard_bands
+from rubnoise.answer import Row
 from rubnoise.api.kinds import Kind
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
@@ -129,13 +130,13 @@ def _html_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f'<div class="scrolled"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def _agreement(figures: Sequence[Agreement]) -> str:
+def _agreement(figures: Sequence[Row]) -> str:
     rows = [
         (
             each.name.replace("one_way", "one-way").replace("_", " "),
-            number(each.observed),
-            number(each.expected),
-            number(each.standard_error, 2),
+            number(each.value),
+            number(each.exact),
+            number(each.error, 2),
             "" if each.z is None else f"{each.z:+.2f}",
         )
         for each in figures

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import Final
 
-from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.moments import one_way_warnings
+from rubnoise.answer import Row
 from rubnoise.figures.stretch import Stretch
 from rubnoise.model import FreeSeparation, Model, Slider
 from rubnoise.theory.coupling import free_motion, load_motion
@@ -138,9 +138,9 @@ def _slider(slider: Slider, *, two_way: bool) -> str:
     return words + " The coupling is one-way: the surfaces slide at constant speed, however the slider moves."
 
 
-def motion_in_words(model: Model, figures: Sequence[Agreement]) -> list[str]:
+def motion_in_words(model: Model, figures: Sequence[Row]) -> list[str]:
     """Return sentences about the measured motion: whether one-way coupling holds, or how the slider sticks."""
-    measured = {each.name: each.observed for each in figures}
+    measured = {each.name: each.value for each in figures}
     lines = []
     if "one_way_validity" in measured and model.slider is not None and model.slider.excitation == "friction":
         lines.append(_one_way(model, measured["one_way_validity"]))

@@ -19,6 +19,7 @@ from typing import Any, Final, Self, cast
 import numpy as np
 
 from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
+from rubnoise.analysis.scores import attributes_of
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.runs.making import describe, play
@@ -80,7 +81,6 @@ def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda _distan
     sink = SummarySink(model)
     simulate(model, scenario.run.seed, sink, engine=cast(Engine, scenario.run.engine), watch=watch)
     summary = sink.finish()
-    figures = {name: value for each in summary.figures for name, value in each.as_attributes().items()}
     theory = {
         f"{name}_{part}": getattr(about, part)
         for name, about in (curve_theory(model).items() if first else ())
@@ -88,7 +88,7 @@ def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda _distan
         # The histogram's errors are those of each run.
         if (name, part) != ("histogram", "standard_error")
     }
-    return {**numbers_in(figures), **summary.curves, **theory}
+    return {**attributes_of(summary.figures), **summary.curves, **theory}
 
 
 def _save(path: Path, scenario: Scenario, summary: Figures) -> None:

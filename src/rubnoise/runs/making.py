@@ -9,6 +9,7 @@ from shlex import join
 from typing import Generic, TypeVar, cast
 
 from rubnoise.analysis.figures import summarise
+from rubnoise.analysis.scores import attributes_of
 from rubnoise.arrays import slices
 from rubnoise.model import Model
 from rubnoise.record.reader import Attributes, MemoryRecord
@@ -56,7 +57,7 @@ class KeptRun(MemoryRecord):
         model = self.scenario.model()
         tally = Tally.of(model)
         self.play_into(tally)
-        return _figures(model, tally)
+        return {**attributes_of(summarise(model, tally))}
 
     def play_into(self, sink: Sink) -> None:
         """Write all rows to a sink, some at a time."""
@@ -124,7 +125,7 @@ def play(
         if watch is not None:
             watch(model.distance, end.junctions, len(end.live))
 
-    figures = _figures(model, tally)
+    figures: dict[str, float | int | str] = {**attributes_of(summarise(model, tally))}
     between()  # theory may take seconds, in which someone may have asked to stop
     writer.publish(figures, between=between)
     return figures
@@ -137,13 +138,6 @@ def save(run: KeptRun, path: str | os.PathLike[str], *, force: bool = False) -> 
     with RunWriter(path, describe(run.scenario, path, this_command(), run.intervention), force=force) as writer:
         run.play_into(writer)
         writer.publish(run.summary)
-
-
-def _figures(model: Model, tally: Tally) -> dict[str, float | int | str]:
-    figures: dict[str, float | int | str] = {}
-    for figure in summarise(model, tally):
-        figures |= figure.as_attributes()
-    return figures
 
 
 Kept = TypeVar("Kept", bound=Sink)

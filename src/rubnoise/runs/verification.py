@@ -14,10 +14,10 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.reading import Ahead
-from rubnoise.answer import Answer, LeftOut, Row
+from rubnoise.analysis.scores import attributes_of
+from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
 from rubnoise.record.reader import HashedReader, Reader, Rows, column_chunks
@@ -150,11 +150,11 @@ class Verification(Answer):
         return sum(check.values for check in self.checks)
 
 
-def verification(checks: Sequence[Check], omitted: Sequence[LeftOut] = (), remark: str = "") -> Verification:
+def verification(checks: Sequence[Check], omitted: Sequence[Row] = (), remark: str = "") -> Verification:
     """Return the answer of finished checks, of what was left out, and of what may explain a difference."""
     values = sum(check.values for check in checks)
     return Verification(
-        rows=(*(check.row for check in checks), *(each.row for each in omitted)),
+        rows=(*(check.row for check in checks), *omitted),
         notes=(remark,) if remark else (),
         judged=f"{len(checks)} checks of {values:,} values",
         checks=checks,
@@ -186,13 +186,12 @@ def verify(run: HashedReader, regenerate: int = 0) -> Verification:
     if not structure.holds:
         return _stopped(checks, "groups and columns are not those of the scenario")
     if others:
-        left_out = [LeftOut(name=name, reason=others) for name in ("replay", "summary")]
-        return verification(checks, left_out)
+        return verification(checks, [left_out(name, others) for name in ("replay", "summary")])
     return _played(checks, scenario, run)
 
 
 def _stopped(checks: list[Check], reason: str) -> Verification:
-    return verification(checks, [LeftOut(name="everything else", reason=reason)])
+    return verification(checks, [left_out("everything else", reason)])
 
 
 def _check_hashes(check: Check, run: HashedReader) -> list[str]:
@@ -251,7 +250,7 @@ def _played(checks: list[Check], scenario: Scenario, run: HashedReader) -> Verif
     there, here = str(run.provenance["environment"]), json.dumps(environment())
     return verification(
         [*checks, *groups],
-        [LeftOut(name="summary", reason="rows of the columns that it sums up differ")],
+        [left_out("summary", "rows of the columns that it sums up differ")],
         remark="" if there == here else f"the run was made on {there} and played again on {here}",
     )
 
@@ -322,7 +321,7 @@ def _summary_check(scenario: Scenario, tally: Tally, stored: Mapping[str, object
     """Compare the summary with every figure of the rows, and of the theory of the scenario."""
     check, right, allowed = Check("summary"), dict[str, float](), dict[str, float]()
     for figure in summarise(scenario.model(), tally):
-        for name, value in figure.as_attributes().items():
+        for name, value in attributes_of([figure]).items():
             right[name] = value
             allowed[name] = _allowed(figure, tally) if name == figure.name else EXACT * abs(value)
     for name in dict.fromkeys([*right, *stored]):
@@ -336,9 +335,9 @@ def _near(found: float, expected: float, allowed: float) -> bool:
     return found == expected or abs(found - expected) <= allowed or (isnan(found) and isnan(expected))
 
 
-def _allowed(figure: Agreement, tally: Tally) -> float:
+def _allowed(figure: Row, tally: Tally) -> float:
     """Return the allowed deviation of a measured figure; the shape of a column that is constant to rounding is free."""
     seen = next((seen for name, seen in tally.moments.items() if figure.name.startswith(name)), Moments())
     if figure.name.endswith(("_skewness", "_kurtosis")):
-        return MEASURED * max(abs(figure.observed), 1.0) if seen.std > _CONSTANT * abs(seen.mean) else inf
-    return MEASURED * (abs(figure.observed) + seen.std + 1e-3 * abs(seen.mean))
+        return MEASURED * max(abs(figure.value), 1.0) if seen.std > _CONSTANT * abs(seen.mean) else inf
+    return MEASURED * (abs(figure.value) + seen.std + 1e-3 * abs(seen.mean))

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.answer import LeftOut
+from rubnoise.answer import Row, left_out
 from rubnoise.errors import RunFileRefused
 from rubnoise.figure_names import DONE
 from rubnoise.regular_file import INDEX
@@ -62,8 +62,8 @@ def verify_sweep(
         if not root.is_dir() or not ((root / INDEX).exists() or (root / RUNS).is_dir()):
             raise RunFileRefused(f"{root}: is not a sweep folder: it has neither {INDEX} nor {RUNS}")
         results = _results(root, regenerate, watch)
-        left_out = list(_left_out(root, results))
-        return verification((_index_check(root, results, left_out), results.names, results.runs), left_out)
+        omitted = list(_left_out(root, results))
+        return verification((_index_check(root, results, omitted), results.names, results.runs), omitted)
     except OSError as problem:  # a folder in it may be closed to who asks, or be on a disk that fails
         reason = (problem.strerror or str(problem)).lower()
         raise RunFileRefused(f"{problem.filename or root}: {reason}") from problem
@@ -121,11 +121,11 @@ def _verify_summary(results: Results, path: Path) -> None:
             results.runs.differ(Difference(f"{RUNS}/{path.name} {name}", here, there))
 
 
-def _left_out(root: Path, results: Results) -> Iterator[LeftOut]:
+def _left_out(root: Path, results: Results) -> Iterator[Row]:
     """Yield what is not compared: parts left out for runs, unfinished runs and other files."""
     for (name, reason), count in sorted(results.left_out.items()):
         runs = f"{count:,} runs: " if count > 1 else "a run: "
-        yield LeftOut(name=name, reason=runs + reason)
+        yield left_out(name, runs + reason)
     parts = [f"{RUNS}/{path.name}" for path in (root / RUNS).glob(f"*{PART}")]
     yield from _some(parts, "unfinished; the same sweep makes it", f"{RUNS}/*{PART}")
     names = [path.name for path in root.iterdir() if path.name not in {INDEX, RUNS}]
@@ -133,15 +133,15 @@ def _left_out(root: Path, results: Results) -> Iterator[LeftOut]:
     yield from _some(strays, "it is no file of the sweep", "others")
 
 
-def _some(names: Sequence[str], reason: str, of: str) -> Iterator[LeftOut]:
+def _some(names: Sequence[str], reason: str, of: str) -> Iterator[Row]:
     """Yield the first names with a reason, and the number of further ones."""
     for name in sorted(names)[:SHOWN]:
-        yield LeftOut(name=name, reason=reason)
+        yield left_out(name, reason)
     if len(names) > SHOWN:
-        yield LeftOut(name=f"{len(names) - SHOWN:,} more of {of}", reason="the same holds for them")
+        yield left_out(f"{len(names) - SHOWN:,} more of {of}", "the same holds for them")
 
 
-def _index_check(root: Path, results: Results, left_out: list[LeftOut]) -> Check:
+def _index_check(root: Path, results: Results, omitted: list[Row]) -> Check:
     """Check that the index is as it was written, and that it has the figures and the runs that the files have."""
     notes = Check("index")
     try:
@@ -152,7 +152,7 @@ def _index_check(root: Path, results: Results, left_out: list[LeftOut]) -> Check
         return notes
     names, points, seeds, states = (index.runs[name].values.tolist() for name in ("run_id", "point", "seed", "state"))
     if any(state != DONE and name in results.figures for name, state in zip(names, states, strict=True)):
-        left_out.append(LeftOut(name="index", reason="it is older than some runs; the same sweep renews it"))
+        omitted.append(left_out("index", "it is older than some runs; the same sweep renews it"))
     scenarios = [
         scenario_at(index, point, root / INDEX).resolved() for point in range(len(index.points["values"].values))
     ]
@@ -165,6 +165,6 @@ def _index_check(root: Path, results: Results, left_out: list[LeftOut]) -> Check
         for figure in {**figures, **kept}:
             found, right = (np.asarray(each.get(figure, nan)).tolist() for each in (figures, kept))
             notes.say(f"/runs/{figure} of {name}", found=str(found), expected=str(right))
-    left_out += _some([f"{RUNS}/{name}" for name in results.figures if name not in names], "the index lacks it", "runs")
+    omitted += _some([f"{RUNS}/{name}" for name in results.figures if name not in names], "the index lacks it", "runs")
     notes.first = notes.first.within(INDEX) if notes.first else None
     return notes

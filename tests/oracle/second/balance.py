@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.findings import Finding, Identity
+from rubnoise.analysis.findings import identity
 from rubnoise.analysis.reading import checked_chunks
-from rubnoise.answer import LeftOut
+from rubnoise.answer import Row, left_out
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
@@ -113,7 +113,7 @@ class Path:
         return np.array([distance[back], distance[back + 1]])
 
 
-def two_way_identities(model: Model, path: Path) -> list[Finding]:
+def two_way_identities(model: Model, path: Path) -> list[Row]:
     """Return the identities of every correct two-way run, which hold up to rounding and the error of its steps.
 
     The travelled distance is V t - (x - x_0); sticks last as long as /landmarks says; friction does the work of the
@@ -130,28 +130,20 @@ def two_way_identities(model: Model, path: Path) -> list[Finding]:
     size = seen.speed * seen.time + abs(seen.displacement) + abs(seen.start)
     over = seen.speed * seen.time
     force = seen.excess_over(path.friction_along) - seen.expected_excess()
-    found: list[Finding] = [
-        Identity(name="sliding_distance", deviation=away, allowed=rounding * size, units="um"),
-        Identity(
-            name="time_stuck",
-            deviation=abs(seen.time_stuck - path.time_stuck),
-            allowed=_ROUNDING * (path.sticks + 1) * seen.time,
-            units="s",
-        ),
+    found: list[Row] = [
+        identity("sliding_distance", away, rounding * size, "um"),
+        identity("time_stuck", abs(seen.time_stuck - path.time_stuck), _ROUNDING * (path.sticks + 1) * seen.time, "s"),
         _work("friction_work", seen.friction_along - path.friction_along, field * seen.scale),
         _work("energy", seen.energy_residual * seen.scale, step * seen.scale),
-        Identity(name="mean_force_law", deviation=abs(force), allowed=(step + field) * seen.scale / over, units="uN"),
+        identity("mean_force_law", abs(force), (step + field) * seen.scale / over, "uN"),
     ]
     if path.reverse_work is None:
-        return [
-            *found,
-            LeftOut(name="reverse_work", reason="a reversal ends behind the start, where there are no rows"),
-        ]
+        return [*found, left_out("reverse_work", "a reversal ends behind the start, where there are no rows")]
     return [*found, _work("reverse_work", seen.reverse_work - path.reverse_work, field * seen.scale)]
 
 
-def _work(name: str, missing: float, allowed: float) -> Identity:
-    return Identity(name=name, deviation=abs(missing), allowed=allowed, units="uN um")
+def _work(name: str, missing: float, allowed: float) -> Row:
+    return identity(name, abs(missing), allowed, "uN um")
 
 
 def _landmark_pairs(rows: Rows) -> Any:
