@@ -1,12 +1,12 @@
 """The histogram of a record, or of a stream of values, as a density with errors for ticks that are not independent."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from rubnoise.analysis.records import FEWEST_BATCHES, batch_length, error_of_mean
+from rubnoise.analysis.records import FEWEST_BATCHES, batch_length
 from rubnoise.arrays import Doubles
 from rubnoise.tables import fields_as_text
 
@@ -43,16 +43,11 @@ def histogram(values: Doubles, tick: float, edges: ArrayLike | int = BINS) -> Hi
     that do not increase.
     """
     bounds = _edges(values, edges)
-    width = np.diff(bounds)
-    share = np.histogram(values, bounds)[0] / values.size
-    error, outside = np.full(width.size, inf), 1.0 - float(share.sum())
-    found = Histogram(edges=bounds, density=share / width, standard_error=error, outside=outside)
-    length = batch_length(values, tick, "histogram", found)
-
-    def shares(parts: Doubles) -> Doubles:
-        return np.stack([np.histogram(part, bounds)[0] for part in parts]) / length
-
-    return replace(found, standard_error=error_of_mean(values, length, shares) / width)
+    total = HistogramSum(bounds, values.size)
+    total.add(values)
+    total = HistogramSum(bounds, batch_length(values, tick, "histogram", total.histogram()))
+    total.add(values)
+    return total.histogram()
 
 
 def _edges(values: Doubles, edges: ArrayLike | int) -> Doubles:
@@ -66,62 +61,37 @@ def _edges(values: Doubles, edges: ArrayLike | int) -> Doubles:
 
 
 class HistogramSum:
-    """The density of a stream of values over bins of one width, which may come in pieces of any size.
+    """The density of a stream of values over bins, which may come in pieces of any size.
 
     ``batch`` is the number of values of a stretch that is nearly independent of the next: errors come from the scatter
-    of such stretches (see `rubnoise.analysis.histogram.histogram`). Except for rounding, a value at an edge counts in
-    the bin above it; one at the last edge is outside.
+    of such stretches.
     """
 
     def __init__(self, edges: Doubles, batch: int) -> None:
-        self._edges = edges
-        self._batch = batch
-        self._counts = np.zeros(edges.size - 1, dtype=np.int64)
-        self._stretch = np.zeros_like(self._counts)
-        self._shares = np.zeros((2, edges.size - 1))
-        self._taken = 0
+        self._edges, self._batch, self._taken = edges, batch, 0
+        self._rest = np.empty(0)
+        self._sums = np.zeros((2, edges.size - 1))
 
     def add(self, values: Doubles) -> None:
         """Add the next values."""
-        bins = self._bins_of(values)
-        first = 0
-        while first < values.size:
-            room = self._batch - self._taken % self._batch
-            self._add_to_stretch(bins[first : first + room])
-            first += room
+        row, self._taken = np.concatenate([self._rest, values]), self._taken + values.size
+        whole = row.size // self._batch * self._batch
+        for part in row[:whole].reshape(-1, self._batch):
+            share = self._share(part)
+            self._sums += share, np.square(share)
+        self._rest = row[whole:]
 
-    def _bins_of(self, values: Doubles) -> NDArray[np.int64]:
-        """Return 1 + the bin of each value, 0 and one more than the bins for those outside."""
-        count = self._edges.size - 1
-        places = (values - self._edges[0]) * (count / (self._edges[-1] - self._edges[0]))
-        places += 1.0
-        # Cut off below at 0, where truncating is rounding down.
-        return np.clip(places, 0.0, count + 1.0, out=places).astype(np.int64)
-
-    def _add_to_stretch(self, bins: NDArray[np.int64]) -> None:
-        counts = np.bincount(bins, minlength=self._counts.size + 2)[1:-1]
-        self._counts += counts
-        self._stretch += counts
-        self._taken += bins.size
-        if self._taken % self._batch == 0:
-            share = self._stretch / self._batch
-            self._shares += share, np.square(share)
-            self._stretch[:] = 0
+    def _share(self, part: Doubles) -> Doubles:
+        return np.asarray(np.histogram(part, self._edges)[0] / self._batch, dtype=np.float64)
 
     def histogram(self) -> Histogram:
         """Return the density so far; errors are inf before the thirtieth stretch is complete."""
-        width = np.diff(self._edges)
-        share = self._counts / max(self._taken, 1)
+        stretches, width = self._taken // self._batch, np.diff(self._edges)
+        share = (self._sums[0] + self._share(self._rest)) * (self._batch / max(self._taken, 1))
+        error = np.full(width.size, inf)
+        if stretches >= FEWEST_BATCHES:
+            mean, square = self._sums / stretches
+            error = np.sqrt(np.maximum(square - mean**2, 0.0) / (stretches - 1))
         return Histogram(
-            edges=self._edges,
-            density=share / width,
-            standard_error=self._error() / width,
-            outside=1.0 - float(share.sum()),
+            edges=self._edges, density=share / width, standard_error=error / width, outside=1.0 - float(share.sum())
         )
-
-    def _error(self) -> Doubles:
-        stretches = self._taken // self._batch
-        if stretches < FEWEST_BATCHES:
-            return np.full(self._counts.size, inf)
-        mean, square = self._shares / stretches
-        return np.sqrt(np.maximum(square - mean**2, 0.0) / (stretches - 1))

@@ -1,10 +1,11 @@
 """Figures of a record, each with its standard error, or a refusal with the length that the record needs.
 
-Batch means give a standard error from the record alone: from the scatter of the means of its parts.
+Batch means give a standard error from the record alone: the means m of B parts are nearly independent, so the error of
+their mean is sqrt(sum of (m - mean)^2 / (B (B - 1))).
+Source: Law and Kelton, Simulation Modeling and Analysis, section 9.5.3.
 """
 
-from collections.abc import Callable
-from math import ceil, isfinite, sqrt
+from math import ceil, isfinite
 
 import numpy as np
 
@@ -81,14 +82,3 @@ def batch_length(values: Doubles, tick: float, what: str, estimate: object) -> i
     if length * FEWEST_BATCHES > values.size:
         raise RecordTooShort(what, estimate, length=values.size * tick, needed=needed)
     return min(ceil(length), values.size // FEWEST_BATCHES)
-
-
-def error_of_mean(values: Doubles, length: int, of: Callable[[Doubles], Doubles] | None = None) -> Doubles:
-    """Return the standard error of the mean of values, or of ``of`` over batches, given as one row for each batch.
-
-    The means m of B batches are nearly independent, so the error is sqrt(sum of (m - mean)^2 / (B (B - 1))).
-    Source: Law and Kelton, Simulation Modeling and Analysis, section 9.5.3.
-    """
-    parts = values[: values.size // length * length].reshape(-1, length)  # what is left at the end is dropped
-    means = parts.mean(axis=1) if of is None else of(parts)
-    return np.asarray(means.std(axis=0, ddof=1) / sqrt(means.shape[0]), dtype=np.float64)
