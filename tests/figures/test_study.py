@@ -1,6 +1,7 @@
 """Pictures of sweeps, and stretches of a result with what is left of them."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -9,8 +10,9 @@ import numpy as np
 import pytest
 
 import rubnoise
+from rubnoise.analysis.replicates import pooled
 from rubnoise.figures.stretch import MOST_POINTS, Stretch
-from rubnoise.figures.study import PointRuns, Study, StudyLine, exact_of, study_of_points
+from rubnoise.figures.study import Spot, Study, StudyLine, exact_of, study_of_points
 from rubnoise.figures.study_picture import study_picture
 from rubnoise.figures.tracks import Track
 from rubnoise.scenario import Scenario, build
@@ -39,9 +41,7 @@ def _scenario(values: dict[str, Any]) -> Scenario:
     return build({"format": 1, **tables})
 
 
-def _points(
-    grid: dict[str, Sequence[Any]], quantity: str = STD, *, runs: int = 8, scatter: float = 0.02
-) -> list[PointRuns]:
+def _points(grid: dict[str, Sequence[Any]], quantity: str = STD, *, runs: int = 8, scatter: float = 0.02) -> list[Spot]:
     """Return points whose runs scatter about the exact value."""
     rng = np.random.Generator(np.random.PCG64(seed_of("study/points")))
     found = []
@@ -51,12 +51,12 @@ def _points(
         told = {key: _number(scenario, key) for key in values}
         exact = exact_of(scenario, quantity)
         found.append(
-            PointRuns(
+            Spot(
                 values=values,
                 numbers={key: number for key, number in told.items() if number is not None},
                 scenario=scenario,
-                figures=(exact * rng.normal(1.0, scatter, runs)).tolist(),
-                standard_error=scatter * exact,
+                seen=pooled(quantity, (exact * rng.normal(1.0, scatter, runs)).tolist(), scatter * exact),
+                exact=exact,
             )
         )
     return found
@@ -100,15 +100,9 @@ def test_the_curve_is_exact_at_the_points_and_between_them() -> None:
 
 def test_the_curve_of_another_contact_is_rejected() -> None:
     points = _points({COUNT: [10, 20, 40]})
+    others = (_scenario({COUNT: 1.2 * point.numbers[COUNT]}) for point in points)
     wrong = [
-        PointRuns(
-            values=point.values,
-            numbers=point.numbers,
-            scenario=_scenario({COUNT: 1.2 * point.numbers[COUNT]}),
-            figures=point.figures,
-            standard_error=point.standard_error,
-        )
-        for point in points
+        replace(point, scenario=other, exact=exact_of(other, STD)) for point, other in zip(points, others, strict=True)
     ]
     assert _rejected(study_of_points(wrong, STD, title="", units={COUNT: "1"}).lines[0])
     assert not _rejected(study_of_points(points, STD, title="", units={COUNT: "1"}).lines[0])

@@ -9,7 +9,7 @@ from typing import Annotated, Final
 import typer
 
 import rubnoise
-from rubnoise.cli.layout import sentence
+from rubnoise.cli.layout import sentence, write_texts
 from rubnoise.cli.options import Quiet
 from rubnoise.cli.progress import announce_compilation
 from rubnoise.cli.signals import interrupted_at_once
@@ -43,7 +43,6 @@ def command(
     Example: rubnoise demo
     """
     from rubnoise.cli.page import lesson_page, report_page, view_page
-    from rubnoise.storage.output import whole_file
 
     _make(folder)
     result, picture, *pages = (folder / name for name in FILES)
@@ -52,9 +51,7 @@ def command(
     with rubnoise.run(SCENARIO, result, force=True, command=["rubnoise", "demo"]) as run:
         run.plot().savefig(picture, dpi=150)
     texts = (view_page(result)[0], report_page(result), lesson_page(Path(SCENARIO)))
-    for path, text in zip(pages, texts, strict=True):
-        with whole_file(path, force=True) as part:
-            part.write_text(text, encoding="utf-8")
+    write_texts(dict(zip(pages, texts, strict=True)), force=True)
     if not quiet:
         print("\n".join(sentence(f"{folder / name}: {what}") for name, what in FILES.items()))
     if not no_open and _has_browser():

@@ -1,6 +1,5 @@
 """`rubnoise infer`: from a measured trace back to its junctions, as text, as JSON, as a scenario and as a page."""
 
-from contextlib import ExitStack
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from rubnoise.answer import Answer, printable
-from rubnoise.cli.layout import show
+from rubnoise.cli.layout import show, write_texts
 from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import in_shell
 
@@ -104,7 +103,7 @@ def command(
     from rubnoise.api.inferred import answer_of
     from rubnoise.api.inferring import infer
     from rubnoise.errors import Refused, TraceDoubtful
-    from rubnoise.storage.output import check_output, whole_file
+    from rubnoise.storage.output import check_output
 
     for path in (output, report):
         if path is not None:
@@ -120,9 +119,7 @@ def command(
         from rubnoise.figures.inference import page
 
         texts[report] = page(found, trace, answer.to_text())
-    with ExitStack() as files:  # each gets its name when all are written: all or none
-        for path, text in texts.items():
-            files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
+    write_texts(texts, force=force)
     show(answer, as_json=as_json)
     if found.refused_because is not None:
         raise TraceDoubtful(f"{printable(trace)}: refused: {found.refused_because}")

@@ -3,8 +3,10 @@
 import json
 import os
 import sys
-from contextlib import suppress
+from collections.abc import Mapping
+from contextlib import ExitStack, suppress
 from math import isfinite
+from pathlib import Path
 from textwrap import fill
 from typing import Any, TextIO
 
@@ -87,3 +89,12 @@ def as_wide_text(answer: Answer) -> str:
     """Return an answer as text as wide as the terminal."""
     title, *rest = answer.to_text(width(), columns_of(sys.stdout)).split("\n", 1)
     return "\n".join([sentence(title), *rest])
+
+
+def write_texts(texts: Mapping[Path, str], *, force: bool) -> None:
+    """Write texts into files, which get their names when all are written: all or none."""
+    from rubnoise.storage.output import whole_file
+
+    with ExitStack() as files:
+        for path, text in texts.items():
+            files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")

@@ -1,7 +1,6 @@
 """Open the input of a command: a scenario with its overrides and warnings, a sweep, or a finished result."""
 
 import json
-import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import rubnoise
 from rubnoise.api.scenarios import sizes_of
+from rubnoise.cli.options import NUMBER
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario, load
@@ -20,8 +20,6 @@ from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 
 if TYPE_CHECKING:
     from rubnoise.storage.reader import RunFile
-
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 Loaded = TypeVar("Loaded", bound=Scenario | Sweep)
 
@@ -52,9 +50,9 @@ def axes(over: Sequence[str] | None) -> tuple[str, ...]:
 def _listed(text: str) -> list[float | str]:
     """Return values between commas: numbers, texts, and quantities with the unit of the last one."""
     parts = [part.strip() for part in text.split(",")]
-    unit = _NUMBER.sub("", parts[-1]).strip()
+    unit = NUMBER.sub("", parts[-1]).strip()
     with_unit = bool(unit) and unit != parts[-1]
-    return [f"{part} {unit}" if with_unit and _NUMBER.fullmatch(part) else override_value(part) for part in parts]
+    return [f"{part} {unit}" if with_unit and NUMBER.fullmatch(part) else override_value(part) for part in parts]
 
 
 def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:

@@ -1,5 +1,6 @@
 """Arguments and options that several commands have."""
 
+import re
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -18,6 +19,9 @@ ReplaceFiles = Annotated[bool, typer.Option("--force", help="Replace existing fi
 ReplaceResult = Annotated[bool, typer.Option("--force", help="Replace an existing result.")]
 ReplacePlot = Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")]
 Changes = Annotated[list[str] | None, typer.Option("--set", help="Change a key, as for run.", metavar="KEY=VALUE")]
+NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+"""A number without a unit."""
+
 ENGINES: Final = ("events", "batch")
 """What shells complete; loading the scenario refuses others."""
 

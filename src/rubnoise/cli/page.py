@@ -10,7 +10,7 @@ import typer
 
 import rubnoise
 from rubnoise.answer import size
-from rubnoise.cli.layout import sentence
+from rubnoise.cli.layout import sentence, write_texts
 from rubnoise.cli.options import ReplaceFile, StretchEnd, StretchStart
 from rubnoise.cli.plot import distance
 from rubnoise.regular_file import is_folder
@@ -60,7 +60,7 @@ def command(
 
     Example: rubnoise page fig5.h5 --from 1mm --to 2mm
     """
-    from rubnoise.storage.output import check_output, whole_file
+    from rubnoise.storage.output import check_output
 
     sources = files or []
     wanted = form or _usual_form(sources)
@@ -71,8 +71,7 @@ def command(
         raise typer.BadParameter(f"{path} does not end in .html")
     check_output(path, force=force, reads=sources)
     text, what = _written(sources, wanted, ends)
-    with whole_file(path, force=force) as part:
-        part.write_text(text, encoding="utf-8")
+    write_texts({path: text}, force=force)
     print(sentence(f"{path}: {what}{size(path.stat().st_size)}; a browser opens it, with or without a network"))
 
 

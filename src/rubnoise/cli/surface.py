@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from rubnoise.answer import Answer, Row, Table, printable, rows
-from rubnoise.cli.layout import show
+from rubnoise.cli.layout import show, write_texts
 from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import Refused, in_shell
 
@@ -112,34 +111,17 @@ def command(
     contact = surfaces[0].slide(slider, **pressed)
     wanted = _wanted(asked)
     answer = answer_of(contact, wanted)
-    _write(contact, answer, output, report, wanted, force=force)
-    show(answer, as_json=as_json)
-    if contact.refused:
-        raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
-
-
-def _write(
-    contact: "SlidingContact",
-    answer: Answer,
-    output: Path | None,
-    report: Path | None,
-    scenario: dict[str, Any],
-    *,
-    force: bool,
-) -> None:
-    """Write scenario and report, both or none; neither for a refused contact."""
-    from rubnoise.storage.output import whole_file
-
-    texts: dict[Path, str] = {}
+    texts = {}
     if output is not None and not contact.refused:
-        texts[output] = contact.scenario_text(**scenario)
+        texts[output] = contact.scenario_text(**wanted)
     if report is not None and not contact.refused:
         from rubnoise.pages.surface_report import surface_report
 
-        texts[report] = surface_report(contact, answer.to_text(), **scenario)
-    with ExitStack() as files:
-        for path, text in texts.items():
-            files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
+        texts[report] = surface_report(contact, answer.to_text(), **wanted)
+    write_texts(texts, force=force)
+    show(answer, as_json=as_json)
+    if contact.refused:
+        raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
 
 
 def _ask_for_needed(track: "Surface", slider: "Surface | None", asked: dict[str, Any]) -> None:

@@ -1,6 +1,5 @@
 """The exact values of a model, by name, in working units and ready for JSON, at the places of the --at options."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations_with_replacement
@@ -12,6 +11,7 @@ import numpy as np
 from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.arrays import Doubles
 from rubnoise.cli.derivation import ONE_WAY_ALONE, load_as_json, load_notes, load_rows, motion_rows, motion_warnings
+from rubnoise.cli.options import NUMBER
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -23,7 +23,6 @@ from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach, spectral_density
 from rubnoise.theory.sizes import longest_life
 
-NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 LONGEST_SHOWN: Final = 40
 FEW: Final = 8
 MANY: Final = 241

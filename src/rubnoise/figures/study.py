@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from math import isfinite, nan
@@ -30,17 +30,17 @@ _EVEN: Final = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spot:
-    """One point of a sweep: its place and its name on the axis, and the quantity with the exact one.
+    """One point of a sweep: the quantity over its runs beside the exact one, and its place on the axis.
 
-    ``numbers`` are the values of all swept keys that have numbers, in working units.
+    ``values`` are those of the swept keys as written, ``numbers`` those of the numeric ones in the units of the keys.
     """
 
-    place: float
+    values: Mapping[str, Any]
     numbers: Mapping[str, float]
-    label: str
+    scenario: Scenario
     seen: PooledEstimate
     exact: float
-    scenario: Scenario
+    place: float = nan
 
 
 Curve = Callable[[Sequence[Spot]], tuple[Doubles, Doubles]]
@@ -117,23 +117,8 @@ def exact_of(scenario: Scenario, quantity: str) -> float:
         return nan
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PointRuns:
-    """One point of a sweep and the quantity in each of its runs, nan if a run has none.
-
-    ``values`` are those of the swept keys as written, ``numbers`` those of the numeric ones in the units of the keys.
-    ``standard_error`` is what theory gives one run.
-    """
-
-    values: Mapping[str, Any]
-    numbers: Mapping[str, float]
-    scenario: Scenario
-    figures: Sequence[float]
-    standard_error: float
-
-
 def study_of_points(
-    points: Sequence[PointRuns],
+    points: Sequence[Spot],
     quantity: str,
     *,
     title: str,
@@ -156,7 +141,7 @@ def study_of_points(
     # Of keys side by side one is enough to distinguish lines.
     others = tuple(each for each in varied if each != key and each not in (along or together[1:]))
     curve = partial(exact_curve, key=key, quantity=quantity) if numeric and not along else None
-    lines = _lines(points, quantity, key if numeric else "", key, others, curve)
+    lines = _lines(points, key, others, curve, numeric=bool(numeric))
     if not any(isfinite(spot.seen.value) for line in lines for spot in line.spots):
         raise Refused(f"{quantity}: no run has it")
     unit, scale = _written_unit(points, key, units[key]) if numeric else (units[key], 1.0)
@@ -175,7 +160,7 @@ def study_of_points(
 WRITTEN: Final = re.compile(rf"((?>{NUMBER})) *([^ ].*)")
 
 
-def _written_unit(points: Sequence[PointRuns], key: str, unit: str) -> tuple[str, float]:
+def _written_unit(points: Sequence[Spot], key: str, unit: str) -> tuple[str, float]:
     """Return the unit in which all values of a key are written, and the factor to it; else the key's unit and 1."""
     found = [WRITTEN.fullmatch(str(point.values[key]).strip()) for point in points]
     units = {each[2] if each else "" for each in found}
@@ -185,23 +170,15 @@ def _written_unit(points: Sequence[PointRuns], key: str, unit: str) -> tuple[str
 
 
 def _lines(
-    points: Sequence[PointRuns], quantity: str, number: str, key: str, others: tuple[str, ...], curve: Curve | None
+    points: Sequence[Spot], key: str, others: tuple[str, ...], curve: Curve | None, *, numeric: bool
 ) -> tuple[StudyLine, ...]:
-    """Return the lines in the order of the file; places are those of the key ``number``, or 0, 1, 2, ... without."""
+    """Return the lines in the order of the file; places are numbers of the key, or 0, 1, 2, ... of its words."""
     words = {text: float(n) for n, text in enumerate(dict.fromkeys(str(point.values[key]) for point in points))}
     spots: dict[str, list[Spot]] = {}
     for point in points:
-        written = str(point.values[key])
-        spot = Spot(
-            place=point.numbers[number] if number else words[written],
-            numbers=point.numbers,
-            label=written,
-            seen=pooled(quantity, point.figures, point.standard_error),
-            exact=exact_of(point.scenario, quantity),
-            scenario=point.scenario,
-        )
+        place = point.numbers[key] if numeric else words[str(point.values[key])]
         label = ", ".join(shown_unit(str(point.values[other])) for other in others)
-        spots.setdefault(label, []).append(spot)
+        spots.setdefault(label, []).append(replace(point, place=place))
     lines = []
     for label, found in spots.items():
         inorder = tuple(sorted(found, key=lambda spot: spot.place))
@@ -232,24 +209,25 @@ def study_of_sweep(sweep: SweepResult, quantity: str) -> Study:
     )
 
 
-def _points(sweep: SweepResult, quantity: str) -> list[PointRuns]:
+def _points(sweep: SweepResult, quantity: str) -> list[Spot]:
     """Return every point with the quantity in its runs; those that are not done have none."""
     point = sweep.runs["point"][:]
-    figures, error = sweep.runs[quantity][:], f"{quantity}_standard_error"
-    errors = sweep.runs[error][:] if error in sweep.runs else np.full(figures.size, nan)
+    figures, name = sweep.runs[quantity][:], f"{quantity}_standard_error"
+    errors = sweep.runs[name][:] if name in sweep.runs else np.full(figures.size, nan)
     columns = {key: sweep.runs[key][:] for key in sweep.keys}
     numeric = {key: column for key, column in columns.items() if np.issubdtype(column.dtype, np.number)}
     found = []
     for number, values in enumerate(sweep.values):
         rows = np.flatnonzero(point == number)
         known_errors = errors[rows][np.isfinite(errors[rows])]
+        scenario, error = sweep.scenario(number), float(known_errors[0]) if known_errors.size else nan
         found.append(
-            PointRuns(
+            Spot(
                 values=values,
                 numbers={key: float(column[rows[0]]) for key, column in numeric.items()},
-                scenario=sweep.scenario(number),
-                figures=figures[rows].tolist(),
-                standard_error=float(known_errors[0]) if known_errors.size else nan,
+                scenario=scenario,
+                seen=pooled(quantity, figures[rows].tolist(), error),
+                exact=exact_of(scenario, quantity),
             )
         )
     return found

@@ -118,7 +118,7 @@ def _label(axes: "Axes", study: Study) -> None:
     if study.numeric:
         _scale(axes, study, values)
     else:
-        labels = {spot.place: spot.label for line in study.lines for spot in line.spots}
+        labels = {spot.place: str(spot.values[study.key]) for line in study.lines for spot in line.spots}
         axes.set_xticks(list(labels), [shortened(text, LONGEST_LABEL) for text in labels.values()])
         axes.margins(x=0.15)
     if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
