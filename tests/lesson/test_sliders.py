@@ -8,7 +8,9 @@ import pytest
 
 import rubnoise
 from rubnoise.arrays import Doubles
-from rubnoise.simulation.free.contact_run import FreeContact, FreeRun
+from rubnoise.simulation.free.contact_run import FreeRun
+from rubnoise.simulation.free.contacts import law_of
+from rubnoise.simulation.free.encounters import RoughSurface
 from rubnoise.simulation.state import LiveRows
 from tests.lesson.node import answer, scenario_of, world_with
 from tests.models import CoupledRun, coupled, lived
@@ -208,8 +210,7 @@ def light(**changes: Any) -> dict[str, Any]:
 
 
 def free_run(live: float, speed: float, seed: int) -> FreeRun:
-    contact = FreeContact(live=live, speed=speed, tick=speed * TICK_TIME, impact_damping=LOSS)
-    return FreeRun(contact, seed)
+    return FreeRun(law_of(live, speed, impact_damping=LOSS), RoughSurface.of(live, seed, speed * TICK_TIME))
 
 
 def hopped(live: float, speed: float, duration: float, seed: int) -> list[float]:

@@ -3,15 +3,16 @@
 import numpy as np
 import pytest
 
-from rubnoise.simulation.free.contact_run import FreeContact, FreeRun
+from rubnoise.simulation.free.contact_run import FreeRun
+from rubnoise.simulation.free.contacts import law_of
 from rubnoise.simulation.free.encounters import RoughSurface
 from tests.oracle.sliders import bounce
 
 SPEED = 1.0
 
 
-def _ticks(contact, seed, count, **how):
-    moving = FreeRun(contact, seed, **how)
+def _ticks(live, speed, tick, seed, count, layers=1, **loss):
+    moving = FreeRun(law_of(live, speed, **loss), RoughSurface.of(live, seed, tick), layers=layers)
     rows = list(moving.through(count))
     return np.concatenate([each.ticks for each in rows]), rows
 
@@ -36,9 +37,9 @@ def _share(restitution=None, impact_damping=None, damping_ratio=0.0):
 )
 def test_verlet_goes_the_same_way(live, loss):
     duration, steps = 2.0, 10_000
-    contact = FreeContact(live=live, speed=SPEED, tick=SPEED * duration / steps * 10.0, **loss)
-    moved, _ = _ticks(contact, 3, steps // 10)
-    surface = FreeRun(contact, 3).surface
+    tick = SPEED * duration / steps * 10.0
+    moved, _ = _ticks(live, SPEED, tick, 3, steps // 10, **loss)
+    surface = RoughSurface.of(live, 3, tick)
     around = surface.around(0, 1)
     assert duration * SPEED < surface.length
     near = np.abs(around["place"]) < 9.0
@@ -55,18 +56,18 @@ def test_verlet_goes_the_same_way(live, loss):
 
 
 def test_bits_do_not_depend_on_how_deep_the_pool_is():
-    contact = FreeContact(live=0.5, speed=3.0, tick=0.05, restitution=0.7)
-    ticks, rows = _ticks(contact, 1, 4000)
-    deeper, _ = _ticks(contact, 1, 4000, layers=3)
+    contact = {"live": 0.5, "speed": 3.0, "tick": 0.05, "restitution": 0.7}
+    ticks, rows = _ticks(seed=1, count=4000, **contact)
+    deeper, _ = _ticks(seed=1, count=4000, layers=3, **contact)
     assert np.array_equal(ticks, deeper)
     assert len(rows) > 3
-    other, _ = _ticks(contact, 2, 4000)
+    other, _ = _ticks(seed=2, count=4000, **contact)
     assert not np.array_equal(ticks, other)
 
 
 def test_the_next_layer_is_drawn_where_the_slider_falls_below_the_first(monkeypatch):
-    contact = FreeContact(live=0.5, speed=0.3, tick=0.05, restitution=0.7)
-    ticks, _ = _ticks(contact, 1, 2000)
+    contact = {"live": 0.5, "speed": 0.3, "tick": 0.05, "restitution": 0.7}
+    ticks, _ = _ticks(seed=1, count=2000, **contact)
     assert ticks["z"].min() < -1.0
 
     def shallow(surface, layers):
@@ -79,7 +80,7 @@ def test_the_next_layer_is_drawn_where_the_slider_falls_below_the_first(monkeypa
         "around",
         lambda surface, block, layers: _above(right(surface, block, 1), shallow(surface, layers)),
     )
-    again, rows = _ticks(contact, 1, 2000)
+    again, rows = _ticks(seed=1, count=2000, **contact)
     assert max(each.layers for each in rows) > 1
     assert np.array_equal(ticks, again)
 

@@ -15,6 +15,7 @@ import rubnoise
 from rubnoise.analysis.comparison import compare
 from rubnoise.contact.distributions import Lognormal
 from rubnoise.record.rows import ContactKind, JunctionState
+from rubnoise.simulation.free.encounters import RoughSurface
 from rubnoise.simulation.free_motion import Scales
 from rubnoise.theory.coupling import free_motion, load_motion
 from rubnoise.theory.sampling import load_errors
@@ -54,7 +55,7 @@ def test_motion_is_that_of_verlet_in_si_units() -> None:
     record = recorded(model, seed=5)
     assert model.free is not None
     scales = Scales.of(model, model.free)
-    around = scales.surface(5).around(0, 1)
+    around = RoughSurface.of(model.mean_junction_count, 5, model.tick / scales.length).around(0, 1)
     metre = 1e-6
     place, height = around["place"] * scales.length * metre, around["height"] * scales.height * metre
     radius = 4.0 * model.mean_real_contact_area / (np.pi * model.mean_junction_count) / (8.0 * scales.height) * metre

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.distributions import Fixed
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Appender, Columns, Sink
-from rubnoise.simulation.free.contact_run import FreeContact, FreeRows, FreeRun
+from rubnoise.simulation.area import has_one_strength
+from rubnoise.simulation.free.contact_run import FreeRows, FreeRun
+from rubnoise.simulation.free.contacts import Law, law_of
 from rubnoise.simulation.free.encounters import RoughSurface
 from rubnoise.simulation.state import State, Watch
 
@@ -28,7 +29,7 @@ _TOUCH: Final = np.dtype(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scales:
-    """The units of free motion: c and s_0 in um, omega_c in 1/s, W in uN; N; and, in them, tick and v = V/(c omega_c).
+    """The units of free motion: c and s_0 in um, omega_c in 1/s, W in uN.
 
     along: the unit of displacement along the surface, E[psi] A_rm/(m omega_c^2), in um; 1 without a slider.
     """
@@ -37,48 +38,30 @@ class Scales:
     height: float
     rate: float
     load: float
-    live: float
-    tick: float
-    speed: float
     along: float
 
     @classmethod
     def of(cls, model: Model, free: FreeSeparation) -> Self:
         """Return the scales: c^2 = 4 A_rm/(pi N), omega_c^2 = W/(m s_0)."""
-        held, live, along = free.held, model.mean_junction_count, 1.0
-        length = sqrt(4.0 / pi * model.mean_real_contact_area / live)
+        held, along = free.held, 1.0
+        length = sqrt(4.0 / pi * model.mean_real_contact_area / model.mean_junction_count)
         rate = sqrt(held.load / held.height_scale / held.mass)
         if model.slider is not None and model.strengths is not None:
             along = model.strengths.mean * model.mean_real_contact_area / (model.slider.mass * rate * rate)
-        return cls(
-            length=length,
-            height=held.height_scale,
-            rate=rate,
-            load=held.load,
-            live=live,
-            tick=model.tick / length,
-            speed=(model.sliding_speed or 0.0) / (length * rate),
-            along=along,
-        )
+        return cls(length=length, height=held.height_scale, rate=rate, load=held.load, along=along)
 
-    def surface(self, seed: int) -> RoughSurface:
-        """Return the surface over which the slider moves."""
-        return RoughSurface.of(self.live, seed, self.tick)
-
-    def contact(self, model: Model, free: FreeSeparation) -> FreeContact:
-        """Return the parameters of the motion."""
-        slider, growth = (0.0, 0.0, 0.0), free.impact_damping
+    def law(self, model: Model, free: FreeSeparation) -> Law:
+        """Return the constants of the motion."""
+        slider, speed = (0.0, 0.0), (model.sliding_speed or 0.0) / (self.length * self.rate)
         if model.slider is not None:
             mass = model.slider.mass * self.rate
-            spring = model.slider.stiffness / (mass * self.rate)
-            slider = model.slider.damping / mass, spring, model.equilibrium_displacement / self.along
-        return FreeContact(
-            live=self.live,
-            speed=self.speed,
-            tick=self.tick,
+            slider = model.slider.damping / mass, model.slider.stiffness / (mass * self.rate)
+        return law_of(
+            model.mean_junction_count,
+            speed,
             damping_ratio=0.5 * free.held.damping / (free.held.mass * self.rate),
             restitution=free.restitution,
-            impact_damping=None if growth is None else growth * self.height * self.rate,
+            impact_damping=(free.impact_damping or 0.0) * self.height * self.rate,
             slider=slider,
         )
 
@@ -90,8 +73,10 @@ class FreeMotion:
         """Begin; ``watch``: is called after each block."""
         self._model, self._sink, self._watch = model, sink, watch
         self._scales = Scales.of(model, free)
-        equal = model.strengths is None or isinstance(model.strengths, Fixed)
-        self._run = FreeRun(self._scales.contact(model, free), seed, None if equal else model.strengths)
+        surface = RoughSurface.of(model.mean_junction_count, seed, model.tick / self._scales.length)
+        strengths = None if has_one_strength(model) else model.strengths
+        start = model.equilibrium_displacement / self._scales.along
+        self._run = FreeRun(self._scales.law(model, free), surface, strengths, start)
         self._blocks = self._run.through(model.tick_count)
         self._waiting = np.empty(0, _TOUCH)
         self._landmarks = Appender(sink, "landmarks", 0)
@@ -127,7 +112,7 @@ class FreeMotion:
         time, live = distance / (model.sliding_speed or 1.0), ticks["live"]
         overlap = np.maximum(ticks["overlap"], 0.0)  # rounding may make that of a new touch negative
         mean = np.full(live.size, np.nan)
-        np.divide(scales.height * scales.live * overlap, live, out=mean, where=live > 0.0)
+        np.divide(scales.height * model.mean_junction_count * overlap, live, out=mean, where=live > 0.0)
         trace: dict[str, NDArray[Any]] = {
             "distance": distance,
             "real_contact_area": model.mean_real_contact_area * overlap,
@@ -187,7 +172,7 @@ class FreeMotion:
             "death_distance": death,
             "life_distance": death - birth,
             "diameter": scales.length * np.sqrt(overlap),
-            "max_area": model.mean_real_contact_area / scales.live * overlap,
+            "max_area": model.mean_real_contact_area / model.mean_junction_count * overlap,
             "max_overlap": scales.height * overlap,
             "birth_time": birth / speed,
             "death_time": death / speed,

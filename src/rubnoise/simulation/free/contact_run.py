@@ -9,7 +9,7 @@ import numpy as np
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.contact.distributions import Law as StrengthLaw
 from rubnoise.errors import RubnoiseError
-from rubnoise.simulation.free.contacts import CONTACT, Law, Records, series_in_memory
+from rubnoise.simulation.free.contacts import CONTACT, Law, Records, Series
 from rubnoise.simulation.free.encounters import LAYERS, RoughSurface
 from rubnoise.simulation.free.motion import (
     DEEPER,
@@ -25,42 +25,10 @@ from rubnoise.simulation.free.motion import (
     Surface,
     advance,
 )
+from rubnoise.simulation.free.series import ORDER
 from rubnoise.streams import Stream, uniforms
 
 _ROOM: Final = 4096
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FreeContact:
-    """The parameters of a free motion, in the units c, s_0, 1/omega_c, W.
-
-    live: N, mean number of live junctions at z = 0; speed: v; damping_ratio: of the dashpot beside the contact, 0 for
-    none; restitution: e, or else impact_damping: beta s_0 omega_c; tick: in c. slider: drag over mass, spring over mass
-    and start displacement of a slider along the surface, which starts at rest and is driven by (1/N) sum of strengths
-    times overlaps; without a slider, the spring is 0.
-    """
-
-    live: float
-    speed: float
-    tick: float
-    damping_ratio: float = 0.0
-    restitution: float | None = None
-    impact_damping: float | None = None
-    slider: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    @property
-    def law(self) -> Law:
-        """The constants of a run; impact damping of 0 loses nothing, as a restitution of 1."""
-        restitution = 1.0 if self.restitution is None else self.restitution
-        return Law(
-            speed=self.speed,
-            per_live=1.0 / self.live,
-            drag=2.0 * self.damping_ratio,
-            unloaded=restitution * restitution,
-            growth=self.impact_damping or 0.0,
-            own_drag=self.slider[0],
-            own_spring=self.slider[1],
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,13 +49,14 @@ class FreeRows:
 class FreeRun:
     """A free slider as it moves, which begins at z = z' = 0; ``contacts`` are its present ones."""
 
-    def __init__(self, contact: FreeContact, seed: int, strengths: StrengthLaw | None = None, layers: int = 1) -> None:
-        """Begin; strengths: of encounters (None: equal); layers: of encounters that are drawn at least."""
-        self.surface = RoughSurface.of(contact.live, seed, contact.tick)
-        self._contact, self._strengths, self._layers = contact, strengths, layers
-        self._law, self._series, self._block = contact.law, series_in_memory(), 0
+    def __init__(
+        self, law: Law, surface: RoughSurface, strengths: StrengthLaw | None = None, start: float = 0.0, layers: int = 1
+    ) -> None:
+        """Begin; strengths: of encounters (None: equal); start: x of a slider at rest; layers: drawn at least."""
+        self._law, self.surface, self._strengths, self._layers, self._block = law, surface, strengths, layers, 0
+        self._series = Series(np.zeros(ORDER + 1), np.zeros(ORDER + 1), np.zeros((3, 4)))
         self._state = np.zeros(1, STATE)
-        self._state["x"], self._state["sliding"], self._state["fresh"] = contact.slider[2], -1, -1
+        self._state["x"], self._state["sliding"], self._state["fresh"] = start, -1, -1
         self.contacts = self._touched()
 
     def through(self, ticks: int) -> Iterator[FreeRows]:
@@ -106,7 +75,7 @@ class FreeRun:
         contacts["share"], contacts["largest"] = self._shares(found["number"]), found["height"] - place * place
         contacts["weight"] = np.where(place > 0.0, 1.0, self._law.unloaded)
         if self._law.growth > 0.0:
-            contacts["weight"] = 1.0 + self._law.growth * 2.0 * self._contact.speed * place > 0.0
+            contacts["weight"] = 1.0 + self._law.growth * 2.0 * self._law.speed * place > 0.0
         contacts["made"] = -np.inf
         return contacts
 
@@ -137,11 +106,11 @@ class FreeRun:
     def _moved(self, ticks: int, *, final: bool) -> FreeRows:
         """Move through the block and return its rows; draw deeper layers, and make room, where they are needed."""
         state, layers = self._state, self._layers
-        end = (ticks - 1) * self._contact.tick if final else self.surface.length
-        goal = Goal(end, ticks, self._contact.tick)
+        end = (ticks - 1) * self.surface.tick if final else self.surface.length
+        goal = Goal(end, ticks, self.surface.tick)
         out = Output(np.empty(ticks, TICK), np.empty(_ROOM, TOUCH), np.empty(_ROOM, MARK))
         touches, marks, code = [], [], DEEPER
-        state["count"], state["tick"], state["steps"] = self.contacts.size, 0, 0
+        state["count"], state["tick"] = self.contacts.size, 0
         contacts = np.concatenate([self.contacts, np.zeros(64, CONTACT)])
         while code != DONE:
             if code == DEEPER:

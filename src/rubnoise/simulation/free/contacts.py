@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_within
-from rubnoise.simulation.free.series import ORDER
 
 Records = NDArray[Any]
 """An array of records, of CONTACT and of the kinds in `motion`; compiled code knows their fields."""
@@ -33,29 +32,38 @@ class Law(NamedTuple):
     own_spring: float
 
 
-class Sums(NamedTuple):
-    """Coefficients of 1, t, t^2 of the overlaps in contact with constant z, then the sum of weights.
+def law_of(
+    live: float,
+    speed: float,
+    *,
+    damping_ratio: float = 0.0,
+    restitution: float | None = None,
+    impact_damping: float | None = None,
+    slider: tuple[float, float] = (0.0, 0.0),
+) -> Law:
+    """Return the constants of a run, in the units c, s_0, 1/omega_c, W.
 
-    loads: weighted by k; shares: weighted by strength; powers: four coefficients of the products of overlaps and their
-    rates, weighted by k, if there is impact damping.
+    live: N at z = 0; speed: v; damping_ratio: of the dashpot beside the contact; restitution: e, or else
+    impact_damping: beta s_0 omega_c, where 0 loses nothing, as e = 1. slider: drag and spring over mass of a slider
+    along the surface, which is driven by (1/N) sum of strengths times overlaps; the spring is 0 if there is none.
     """
-
-    loads: Doubles
-    shares: Doubles
-    powers: Doubles
+    unloaded, growth = 1.0 if restitution is None else restitution * restitution, impact_damping or 0.0
+    return Law(speed, 1.0 / live, 2.0 * damping_ratio, unloaded, growth, *slider)
 
 
 class Series(NamedTuple):
-    """Powers of time in a step, of z and of x, and the sums that they are made of."""
+    """Powers of time in a step, of z and of x, and (3, 4) the sums over the encounters in contact they are made of.
+
+    LOADS and SHARES: coefficients of 1, t, t^2 of the overlaps with constant z, and the sum of weights, weighted by k
+    and by strength; POWERS: four coefficients of overlaps times rates, weighted by k, if there is impact damping.
+    """
 
     z: Doubles
     x: Doubles
-    sums: Sums
+    sums: Doubles
 
 
-def series_in_memory() -> Series:
-    """Return memory for the series of a step."""
-    return Series(np.zeros(ORDER + 1), np.zeros(ORDER + 1), Sums(np.zeros(4), np.zeros(4), np.zeros(4)))
+LOADS, SHARES, POWERS = range(3)
 
 
 @compiled_within
@@ -72,25 +80,23 @@ def rate_of(contact: Any, s: float, w: float, speed: float) -> float:
 
 
 @compiled_within
-def add_up(contacts: Records, count: int, s: float, z: float, law: Law, sums: Sums) -> None:
+def add_up(contacts: Records, count: int, s: float, z: float, law: Law, sums: Doubles) -> None:
     """Sum the power series in time of the overlaps of the encounters in contact."""
-    sums.loads[:] = 0.0
-    sums.shares[:] = 0.0
-    sums.powers[:] = 0.0
-    bend = -law.speed * law.speed
+    sums[:] = 0.0
+    bend, powers = -law.speed * law.speed, sums[POWERS]
     for n in range(count):
         overlap, slope = overlap_of(contacts[n], s, z), 2.0 * law.speed * (contacts[n].place - s)
-        for total, weight in ((sums.loads, contacts[n].weight), (sums.shares, contacts[n].share)):
+        for total, weight in ((sums[LOADS], contacts[n].weight), (sums[SHARES], contacts[n].share)):
             total[0] += weight * overlap
             total[1] += weight * slope
             total[2] += weight * bend
             total[3] += weight
         if law.growth > 0.0:
             k = contacts[n].weight
-            sums.powers[0] += k * overlap * slope
-            sums.powers[1] += k * (slope * slope + 2.0 * bend * overlap)
-            sums.powers[2] += 3.0 * k * bend * slope
-            sums.powers[3] += 2.0 * k * bend * bend
+            powers[0] += k * overlap * slope
+            powers[1] += k * (slope * slope + 2.0 * bend * overlap)
+            powers[2] += 3.0 * k * bend * slope
+            powers[3] += 2.0 * k * bend * bend
 
 
 @compiled_within

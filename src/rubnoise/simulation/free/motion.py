@@ -8,6 +8,9 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled, compiled_within
 from rubnoise.record.rows import ContactKind
 from rubnoise.simulation.free.contacts import (
+    LOADS,
+    POWERS,
+    SHARES,
     Law,
     Records,
     Series,
@@ -32,15 +35,12 @@ from rubnoise.simulation.series import rate, value
 
 STATE: Final = np.dtype(
     [(name, np.float64) for name in ("s", "z", "w", "x", "u")]
-    + [
-        (name, np.int64)
-        for name in ("count", "sliding", "fresh", "next", "listed", "tick", "touches", "marks", "steps", "idle")
-    ]
+    + [(name, np.int64) for name in ("count", "sliding", "fresh", "next", "listed", "tick", "touches", "marks", "idle")]
 )
 """Place from the origin of the block (c), z, z', and x, x' of the slider along the surface; number of encounters in
 contact; the one that slides along its step, and the one that has just turned (-1: none); the next encounter of the pool
-to be listed, and the number listed; the next tick; rows of touches and of marks; steps, and how many of the latest took
-no time."""
+to be listed, and the number listed; the next tick; rows of touches and of marks; how many of the latest steps took no
+time."""
 
 SUMMIT: Final = np.dtype(
     [(name, np.float64) for name in ("place", "height", "share", "entry", "leave")]
@@ -176,12 +176,14 @@ def _prepare(now: Any, law: Law, contacts: Records, longest: float, series: Seri
         series.z[:] = 0.0
         series.z[1], series.z[2] = now.w, -law.speed * law.speed
     else:
-        motion_series(now.w, sums.loads, sums.powers, law.per_live, law.drag, law.growth, series.z)
-        damped = law.drag + law.growth * law.per_live * max(sums.loads[0], 0.0)
-        step = min(step, 2.0 * TURN / (damped + np.sqrt(damped * damped + 4.0 * law.per_live * sums.loads[3]) + 1e-300))
+        motion_series(now.w, sums[LOADS], sums[POWERS], law.per_live, law.drag, law.growth, series.z)
+        damped = law.drag + law.growth * law.per_live * max(sums[LOADS, 0], 0.0)
+        step = min(
+            step, 2.0 * TURN / (damped + np.sqrt(damped * damped + 4.0 * law.per_live * sums[LOADS, 3]) + 1e-300)
+        )
         step = shortened(series.z, step)
     if law.own_spring > 0.0:
-        pushed_series(now.x, now.u, sums.shares, law.per_live, law.own_drag, law.own_spring, series.z, series.x)
+        pushed_series(now.x, now.u, sums[SHARES], law.per_live, law.own_drag, law.own_spring, series.z, series.x)
         own = law.own_drag
         step = min(step, 2.0 * TURN / (own + np.sqrt(own * own + 4.0 * law.own_spring)))
         step = shortened(series.x, step)
@@ -364,7 +366,6 @@ def _step(now: Any, law: Law, contacts: Records, surface: Surface, goal: Goal, o
     if event == _NOTHING and when == slid:
         event, which = _SLID, now.sliding
     now.idle = 0 if when > 0.0 else now.idle + 1
-    now.steps += 1
     place = now.s + law.speed * when
     if event == _NOTHING and when == longest and goal.place - now.s <= REACH:
         place = goal.place
