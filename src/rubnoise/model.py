@@ -134,12 +134,12 @@ class Model:
     @property
     def mean_birth_spacing(self) -> float:
         """s_jm = L_jm / N_jm in um (paper, second Eq. 12)."""
-        return self.births.mean
+        return self.births.mean_spacing
 
     @property
     def birth_rate(self) -> float:
         """Births per um of sliding, N_jm / L_jm."""
-        return 1.0 / self.births.mean
+        return 1.0 / self.births.mean_spacing
 
     @property
     def mean_live_junctions(self) -> float:

@@ -48,7 +48,7 @@ def test_histograms_are_those_of_the_laws_and_not_of_others(stretch: Stretch) ->
     lives = born(stretch, "death_distance") - born(stretch, "birth_distance")
     gaps = np.diff(born(stretch, "birth_distance"))
     by_size, by_life = np.linspace(0.0, 10.0, 30), np.linspace(0.0, 20.0, 30)
-    by_gap = np.linspace(0.0, 5.0 * model.births.mean, 30)
+    by_gap = np.linspace(0.0, 5.0 * model.births.mean_spacing, 30)
     shares = share_of("gaps", model, by_gap)
     assert shares is not None
     assert np.abs(scores(sizes, by_size, share_of("sizes", model, by_size))).max() < 4.0
@@ -57,4 +57,4 @@ def test_histograms_are_those_of_the_laws_and_not_of_others(stretch: Stretch) ->
     # Controls: sizes and lives 5 % larger, and gaps of another law.
     assert np.abs(scores(1.05 * sizes, by_size, share_of("sizes", model, by_size))).max() > 6.0
     assert np.abs(scores(1.05 * lives, by_life, share_of("lives", model, by_life))).max() > 4.0
-    assert np.abs(scores(np.full(gaps.size, model.births.mean), by_gap, shares)).max() > 6.0
+    assert np.abs(scores(np.full(gaps.size, model.births.mean_spacing), by_gap, shares)).max() > 6.0

@@ -12,7 +12,7 @@ import pint
 import pytest
 import xarray
 
-from rubnoise.contact.pulses import junction_area
+from rubnoise.contact.pulses import LENS
 from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.life_curve import CURVE_ROWS
 from rubnoise.storage.schema import GROUPS, Group
@@ -197,8 +197,6 @@ def test_life_curve_gives_any_area_by_plain_interpolation(path: Path) -> None:
     assert (u[0], u[-1], fraction[0], fraction[-1]) == (0.0, 2.0, 0.0, 0.0)
     assert np.all(np.diff(u) > 0)
     distance = np.linspace(0.0, 2 * 5.53, 100_003)
-    error = np.interp(distance / 5.53, u, fraction) - junction_area(distance, 5.53) / 5.53**2
+    error = np.interp(distance / 5.53, u, fraction) - LENS.area(distance, 5.53) / 5.53**2
     assert np.abs(error).max() < 1e-6
-    assert (
-        np.abs(np.interp(distance / 5.53, u[::2], fraction[::2]) - junction_area(distance, 5.53) / 5.53**2).max() > 1e-6
-    )
+    assert np.abs(np.interp(distance / 5.53, u[::2], fraction[::2]) - LENS.area(distance, 5.53) / 5.53**2).max() > 1e-6

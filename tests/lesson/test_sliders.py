@@ -8,9 +8,9 @@ import pytest
 
 import rubnoise
 from rubnoise.arrays import Doubles
-from rubnoise.simulation.free.contact_run import FreeRun
 from rubnoise.simulation.free.contacts import law_of
 from rubnoise.simulation.free.encounters import RoughSurface
+from rubnoise.simulation.free_motion import FreeRun
 from rubnoise.simulation.state import LiveRows
 from tests.lesson.node import answer, scenario_of, world_with
 from tests.models import CoupledRun, coupled, lived

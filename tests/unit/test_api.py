@@ -14,7 +14,7 @@ import rubnoise
 from rubnoise import Junction
 from rubnoise.analysis.run_summary import CURVES, curve_theory
 from rubnoise.analysis.scores import from_attributes
-from rubnoise.contact.pulses import junction_area
+from rubnoise.contact.pulses import LENS
 from rubnoise.errors import RunFileRefused, RunStopped, ScenarioRefused
 from rubnoise.record.rows import JunctionState
 from rubnoise.runs.folder import numbers_in, summarised
@@ -100,7 +100,7 @@ def test_a_junction_is_the_overlap_of_two_circles(scenario: Any, tmp_path: Path)
         inside = np.linspace(born, died, 51)[:-1].reshape(5, 10)
         area = junction.area(inside)
         assert area.shape == (5, 10)
-        np.testing.assert_array_equal(area, junction_area(inside - born, junction.diameter))
+        np.testing.assert_array_equal(area, LENS.area(inside - born, junction.diameter))
         assert junction.area([born - 1.0, born - 1e-9, died, died + 1.0]).tolist() == [0.0] * 4
         assert junction.area(born + junction.diameter) == pytest.approx(junction.max_area, rel=1e-14)
 
@@ -109,7 +109,7 @@ def test_a_junction_that_was_ended_early_is_gone_from_then_on() -> None:
     junction = Junction(
         number=0, birth_distance=1.0, death_distance=4.0, life_distance=3.0, diameter=2.0, max_area=np.pi, state=4
     )
-    assert junction.area([3.9, 4.0, 4.5]).tolist() == [float(junction_area(np.array(2.9), 2.0)), 0.0, 0.0]
+    assert junction.area([3.9, 4.0, 4.5]).tolist() == [float(LENS.area(np.array(2.9), 2.0)), 0.0, 0.0]
 
 
 def test_what_is_not_there_is_named(contact: Any, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.contact.pulses import junction_area
+from rubnoise.contact.pulses import LENS
 from rubnoise.record.rows import JunctionState
 from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build
@@ -122,7 +122,7 @@ def test_who_lives_is_shown_with_number_birth_diameter_and_area(scenario: Scenar
     assert [each.birth_distance for each in there] == rows["birth_distance"][alive].tolist()
     assert [each.diameter for each in there] == rows["diameter"][alive].tolist()
     ages = now - rows["birth_distance"][alive]
-    np.testing.assert_allclose([each.area for each in there], junction_area(ages, rows["diameter"][alive]), atol=1e-9)
+    np.testing.assert_allclose([each.area for each in there], LENS.area(ages, rows["diameter"][alive]), atol=1e-9)
     assert record.trace["junction_count"][:][800] == len(there) - 1
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rubnoise.simulation.free.contact_run import FreeRun
 from rubnoise.simulation.free.contacts import law_of
 from rubnoise.simulation.free.encounters import RoughSurface
+from rubnoise.simulation.free_motion import FreeRun
 from tests.oracle.sliders import bounce
 
 SPEED = 1.0

@@ -11,7 +11,7 @@ import pytest
 
 import rubnoise
 from rubnoise.analysis.life import Life, life_of
-from rubnoise.contact.pulses import junction_area
+from rubnoise.contact.pulses import LENS
 from rubnoise.errors import RunFileRefused
 from rubnoise.figures import style
 from rubnoise.figures.life import life_png
@@ -32,7 +32,7 @@ def file(tmp_path: Path) -> Iterator[RunFile]:
 def _areas(distance: float, *, just_before: bool = False) -> np.ndarray:
     """Return the area of every row, by the rule birth <= s < death or the limit from below."""
     alive = (distance > BIRTH) & (distance <= DEATH) if just_before else (distance >= BIRTH) & (distance < DEATH)
-    return np.where(alive, junction_area(distance - BIRTH, DIAMETER), 0.0)
+    return np.where(alive, LENS.area(distance - BIRTH, DIAMETER), 0.0)
 
 
 PEAKS = {0: 0.0, 1: 1.0, 2: 8.0, 3: 8.0, 4: 10.0, 5: 11.0, 6: 25.0, 7: 30.0}
@@ -56,7 +56,7 @@ def test_the_peak_and_its_shares_are_those_of_the_rows(file: RunFile, number: in
 def test_a_life_ended_early_has_the_peak_that_it_reached(file: RunFile) -> None:
     before, at, after = (life_of(file, number) for number in (3, 5, 4))
     assert before.mid_life_distance is None
-    assert before.peak_area == pytest.approx(float(junction_area(4.0, 5.0)), rel=1e-14)
+    assert before.peak_area == pytest.approx(float(LENS.area(4.0, 5.0)), rel=1e-14)
     assert before.peak_area < before.max_area
     assert (at.mid_life_distance, after.mid_life_distance) == (11.0, 10.0)
     assert at.peak_area == pytest.approx(at.max_area, rel=1e-14)

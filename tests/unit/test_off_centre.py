@@ -234,7 +234,7 @@ def test_a_scenario_has_its_exact_theory_by_python_and_by_the_command(tmp_path: 
 @pytest.mark.parametrize("pulse", [OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA], ids=["lens", "parabola"])
 def test_gamma_births_of_shape_1_are_at_random_off_the_centre_line(pulse: Pulse) -> None:
     at_random = contact(Normal(centre=5.0, std=0.5), pulse=pulse, slider=FIG5_SLIDER)
-    spacing = at_random.births.mean
+    spacing = at_random.births.mean_spacing
     gamma = replace(at_random, births=GammaBirths(mean_spacing=spacing, shape=1.0))
     lags, k = np.array([0.0, 0.3, 2.0, 5.0, 9.0]), np.array([0.0, 0.1, 0.5, 2.0, 6.0])
     variance, most = area_cumulants(at_random).variance, float(spectral_density(at_random, 0.0))

@@ -10,7 +10,7 @@ import pytest
 
 from rubnoise.contact.calibration import NoMatchingDiameter, calibrated_diameter
 from rubnoise.contact.laws import LAWS, Spread, law_for
-from rubnoise.contact.pulses import LENS, PARABOLA, PULSES, junction_area
+from rubnoise.contact.pulses import LENS, PARABOLA, PULSES
 from rubnoise.model import Slider
 from rubnoise.simulation.linear import propagator, under_force
 from rubnoise.theory.moments import area_cumulants
@@ -79,7 +79,7 @@ def segments(s: float, d: float) -> float:
 def test_area_is_that_of_two_segments(share: float, d: float) -> None:
     s = share * d
     expected = segments(min(s, 2.0 * d - s), d)
-    assert float(junction_area(s, d)) == pytest.approx(expected, abs=1e-15 * d * d, rel=1e-12)
+    assert float(LENS.area(s, d)) == pytest.approx(expected, abs=1e-15 * d * d, rel=1e-12)
 
 
 @pytest.mark.parametrize("power", [1, 2, 3, 4, 5, 6])

@@ -47,8 +47,8 @@ def test_ripple_of_other_counts_and_of_the_lens(count: float, pulse: Pulse, ripp
 @pytest.mark.parametrize("count", [0.5, 2.5, 7.0])
 def test_mean_and_variance_of_one_size_are_those_of_a_periodic_function(count: float, pulse: Pulse) -> None:
     model = regular(count, pulse=pulse)
-    phase = (np.arange(2_000_000) + 0.5) / 2_000_000 * model.births.mean
-    area = sum(pulse.area(phase + j * model.births.mean, 5.53) for j in range(8))
+    phase = (np.arange(2_000_000) + 0.5) / 2_000_000 * model.births.mean_spacing
+    area = sum(pulse.area(phase + j * model.births.mean_spacing, 5.53) for j in range(8))
     z = area - area.mean()
     found = area_cumulants(model)
     assert found.mean == pytest.approx(area.mean(), rel=1e-12)
@@ -72,7 +72,7 @@ def test_cumulants_of_many_sizes(count: float, spread: float, pulse: Pulse) -> N
     generator = np.random.default_rng(seed_of(f"regular cumulants {count} {spread} {pulse.shape}"))
     sample = drawn(model, [0.0], 200_000, generator)[0][0]
     assert np.abs(scores(sample, area_cumulants(model))).max() <= 4.0
-    poisson = replace(model, births=PoissonBirths(mean_spacing=model.births.mean))
+    poisson = replace(model, births=PoissonBirths(mean_spacing=model.births.mean_spacing))
     assert abs(scores(sample, area_cumulants(poisson))[1]) > 20.0
 
 
@@ -103,7 +103,7 @@ def spread_out(model: Model) -> tuple[Doubles, Doubles]:
 @pytest.mark.parametrize(("count", "spread"), [(0.5, 0.0), (2.5, 0.0), (20.0, 0.0), (2.5, 0.2), (20.0, 1.5)])
 def test_lines_hold_what_the_phase_tells(count: float, spread: float, pulse: Pulse) -> None:
     model = regular(count, spread, pulse)
-    spacing, (diameters, shares) = model.births.mean, spread_out(model)
+    spacing, (diameters, shares) = model.births.mean_spacing, spread_out(model)
     phases = 4096 if diameters.size == 1 else 2048
     age = np.arange(phases)[:, None] / phases * spacing + spacing * np.arange(int(longest_life(model) / spacing) + 1)
     found = sum(
@@ -221,7 +221,7 @@ def ridden(slider: Slider, force: Doubles, step: float) -> Doubles:
 @pytest.mark.parametrize("speed", [100.0, 1000.0])
 def test_slider_under_a_periodic_force(count: float, pulse: Pulse, speed: float) -> None:
     model = replace(regular(count, pulse=pulse, slider=FIG5_SLIDER), sliding_speed=speed)
-    ticks, spacing = 2**15, model.births.mean
+    ticks, spacing = 2**15, model.births.mean_spacing
     phase = (np.arange(ticks) + 0.5) / ticks * spacing
     force = 250.0 * sum(pulse.area(phase + j * spacing, 5.53) for j in range(8))
     displacement = ridden(FIG5_SLIDER, force, spacing / speed / ticks)

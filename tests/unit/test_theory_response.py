@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.distributions import Lognormal, Normal
-from rubnoise.contact.pulses import junction_area
+from rubnoise.contact.pulses import LENS
 from rubnoise.model import Model, Slider
 from rubnoise.theory.moments import force_cumulants
 from rubnoise.theory.motion import drive_of, motion_spectrum, response
@@ -137,7 +137,7 @@ def forces(model: Model, generator: np.random.Generator) -> tuple[Doubles, float
     for step in range(TICKS_A_LIFE + 1):
         at = first + step
         inside = (at >= 0) & (at < ticks)
-        areas = junction_area(at[inside] * tick - births[inside], diameter)
+        areas = LENS.area(at[inside] * tick - births[inside], diameter)
         force += np.bincount(at[inside] * RUNS + run[inside], areas, minlength=force.size)
     return 250.0 * force.reshape(ticks, RUNS), tick / model.sliding_speed
 

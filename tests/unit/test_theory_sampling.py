@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.distributions import Fixed, Law, Lognormal, Power, Weibull
-from rubnoise.contact.pulses import TRIANGLE, junction_area
+from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import response
@@ -38,7 +38,7 @@ def records(model: Model, lives: int, ticks_a_life: int, seed: int, strengths: L
     for step in range(ticks_a_life + 1):
         at = first + step
         inside = (at >= 0) & (at < total)
-        areas = psi[inside] * junction_area(at[inside] * tick - births[inside], diameter)
+        areas = psi[inside] * LENS.area(at[inside] * tick - births[inside], diameter)
         trace += np.bincount(at[inside], areas, minlength=total)
     return trace.reshape(RECORDS, -1), replace(model, tick=tick, tick_count=lives * ticks_a_life - 1)
 

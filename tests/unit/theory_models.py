@@ -150,7 +150,7 @@ def regular(
 
 def drawn(model: Model, lags: list[float], draws: int, generator: np.random.Generator) -> tuple[Doubles, Doubles]:
     """Return friction force per strength drawn (or area) and count, a row each lag, at places of independent phase."""
-    spacing, longest = model.births.mean, 2.0 * model.sizes.support[1]
+    spacing, longest = model.births.mean_spacing, 2.0 * model.sizes.support[1]
     phase = generator.uniform(0.0, spacing, draws)
     area, count = np.zeros((len(lags), draws)), np.zeros((len(lags), draws))
     for number in range(-ceil(max(lags) / spacing) - 1, ceil(longest / spacing) + 1):

@@ -17,7 +17,7 @@ import rubnoise
 from rubnoise.api.running import Record
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.pulses import junction_area
+from rubnoise.contact.pulses import LENS
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Tally
@@ -148,7 +148,7 @@ class Made:
     time, as many in all; ``always`` a count that never changes.
     """
 
-    area: Callable[[Doubles, Doubles], Doubles] = junction_area
+    area: Callable[[Doubles, Doubles], Doubles] = LENS.area
     lives: float = 2.0
     told: float = 2.0
     births: float = 1.0

@@ -145,7 +145,7 @@ def test_a_start_is_that_of_a_contact_that_always_slid(births: str, monkeypatch:
         return [z_of(first, theory.count_mean), z_of(np.square(away), theory.count_variance)]
 
     assert np.abs(scores()).max() <= BOUND
-    at_random, past = PoissonBirths(mean_spacing=run.births.mean), draws.past
+    at_random, past = PoissonBirths(mean_spacing=run.births.mean_spacing), draws.past
     monkeypatch.setattr(draws, "past", lambda run, *where: past(replace(run, births=at_random), *where))
     assert np.abs(scores()).max() > BOUND
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import Comparison
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.pulses import junction_area
+from rubnoise.contact.pulses import LENS
 from rubnoise.model import Model
 from tests.models import bare
 from tests.verification.scores import REJECTED, Made, made, seed_of
@@ -42,12 +42,12 @@ def smooth(age: Doubles, diameter: Doubles) -> Doubles:
 
 def of_0327(age: Doubles, diameter: Doubles) -> Doubles:
     """Return the lens scaled to the paper's life mean of 0.327 d^2."""
-    return 3.0 * 0.327 * junction_area(age, diameter)
+    return 3.0 * 0.327 * LENS.area(age, diameter)
 
 
 def hasty(age: Doubles, diameter: Doubles) -> Doubles:
     """Return the lens run through in 1.98 d."""
-    return junction_area(age * (2.0 / 1.98), diameter)
+    return LENS.area(age * (2.0 / 1.98), diameter)
 
 
 @cache

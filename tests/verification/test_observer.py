@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.pulses import TRIANGLE, junction_area
+from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.record.rows import JunctionState
 from rubnoise.simulation.observer import Observer
 from tests.models import bare, contents, model, recorded, run_to_end
@@ -181,7 +181,7 @@ def test_count_and_area_lose_exactly_those_junctions(pair):
     rows = whole["junctions"]
     for number in when:
         gone = (s >= cut["junctions"]["death_distance"][number]) & (s < rows["death_distance"][number])
-        missing[gone] += junction_area(s[gone] - rows["birth_distance"][number], rows["diameter"][number])
+        missing[gone] += LENS.area(s[gone] - rows["birth_distance"][number], rows["diameter"][number])
         lost[gone] += 1
     assert lost.any()
     counts = [record["trace"]["junction_count"].astype(np.int64) for record in (whole, cut)]

@@ -42,7 +42,7 @@ def ripple(count: float, pulse: Pulse) -> float:
 
 def sampled_ripple(count: float, pulse: Pulse) -> float:
     """Return std over mean of three spacings of a run, cut into a thousand ticks each."""
-    spacing = regular(count, pulse).births.mean
+    spacing = regular(count, pulse).births.mean_spacing
     run = regular(count, pulse, tick=spacing / TICKS_A_SPACING, distance=3.01 * spacing)
     area = recorded(run, seed_of(f"ripple/{count}"))["trace"]["real_contact_area"][: 3 * TICKS_A_SPACING]
     return float(area.std() / area.mean())
@@ -97,11 +97,12 @@ def test_births_lie_at_whole_multiples_of_their_spacing() -> None:
     run, seed = regular(20.0, distance=20_000.0), seed_of("multiples")
     record = recorded(run, seed)["junctions"]
     number = record["junction"] - np.sum(record["state"] & JunctionState.ALIVE_AT_START > 0)
-    expected = start(run, seed).next_birth + number * run.births.mean
+    expected = start(run, seed).next_birth + number * run.births.mean_spacing
     assert np.array_equal(record["birth_distance"], expected)
     assert number[-1] > 2 * births_per_block(run)
     # Added up one by one, as random gaps are, they would have drifted by then.
-    added = np.add.accumulate(np.concatenate([[start(run, seed).next_birth], np.full(number[-1], run.births.mean)]))
+    gaps = np.full(number[-1], run.births.mean_spacing)
+    added = np.add.accumulate(np.concatenate([[start(run, seed).next_birth], gaps]))
     assert abs(added[-1] - expected[-1]) > 10 * np.spacing(expected[-1])
 
 

@@ -214,9 +214,9 @@ class Births:
         if isinstance(law, GammaBirths):
             from scipy.special import gammainc
 
-            self.gaps.add(gammainc(law.shape, law.shape * whole / law.mean))
+            self.gaps.add(gammainc(law.shape, law.shape * whole / law.mean_spacing))
         else:
-            self.gaps.add(-np.expm1(-gaps / law.mean))
+            self.gaps.add(-np.expm1(-gaps / law.mean_spacing))
         for windows in self.windows:
             windows.add(birth)
         self.squares += float(np.square(gaps).sum())

@@ -36,11 +36,6 @@ class BirthLaw(ABC):
     """Whether births keep to places at one spacing, so that their spectrum has lines."""
 
     @property
-    def mean(self) -> float:
-        """Mean gap in um."""
-        return self.mean_spacing
-
-    @property
     def dispersion(self) -> float:
         """S_N(0)/lam: variance over mean of the number of births in a long distance."""
         return 1.0 + float(self.excess(np.zeros(1))[0])
@@ -63,8 +58,8 @@ class BirthLaw(ABC):
         """Return the places (um) of the last birth before the start, below 0, and of the first one after it."""
 
     @abstractmethod
-    def beyond(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
-        """Return the places (um) of the next births beyond a block's first one, and of the first of the next block.
+    def places(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
+        """Return the places (um) of a block's births, the first of them at ``place``, and of the next block's first.
 
         way: 1 to go forward; -1 backward, in the blocks before the start.
         """
@@ -78,11 +73,11 @@ class GapLaw(BirthLaw):
     def gaps(self, uniform: Doubles) -> Doubles:
         """Return one gap in um for each uniform on (0, 1)."""
 
-    def beyond(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
+    def places(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
         """Return each as the one before it plus its gap, as an event clock adds."""
         stream = Stream.GAPS if way > 0 else Stream.PAST_GAPS
         gaps = self.gaps(uniforms(seed, stream, block, count))
-        return np.add.accumulate(np.concatenate([[place], way * gaps]))[1:]
+        return np.add.accumulate(np.concatenate([[place], way * gaps]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,10 +121,10 @@ class RegularBirths(BirthLaw):
         after = self.mean_spacing * float(uniforms(seed, Stream.FIRST_BIRTH, 0, 1)[0])
         return after - self.mean_spacing, after
 
-    def beyond(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
+    def places(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
         """Return places by their number from the first birth on, which is one spacing after the last before it."""
         del place
-        number = block * count + np.arange(1.0, count + 1.0) + (way < 0)
+        number = block * count + np.arange(count + 1.0) + (way < 0)
         return self.around(seed)[1] + way * number * self.mean_spacing
 
 
@@ -202,17 +197,17 @@ class ScatteredBirths(BirthLaw):
 
     def around(self, seed: int) -> tuple[float, float]:
         """Return the nearest births on either side of the start."""
-        return float(self.beyond(seed, 0, 0.0, 1, -1)[0]), float(self.beyond(seed, 0, 0.0, 1, 1)[0])
+        return float(self.places(seed, 0, 0.0, 1, -1)[1]), float(self.places(seed, 0, 0.0, 1, 1)[1])
 
-    def beyond(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
-        """Return the nearest births beyond a place, whichever block it is."""
+    def places(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
+        """Return a place and the nearest births beyond it, whichever block it is."""
         del block
         nearest, reach = float(np.nextafter(place, way * inf)), (count + 100) * self.mean_spacing
         while True:
             begin, end = sorted((nearest, place + way * reach))
             found = self.between(seed, begin, end)[::way]
             if found.size >= count:
-                return found[:count]
+                return np.concatenate([[place], found[:count]])
             reach *= 1.25
 
 

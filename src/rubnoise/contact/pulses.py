@@ -156,11 +156,6 @@ def pulse_of(shape: str, offset: str) -> Pulse:
     return PULSES[shape] if offset == "none" else OFF_CENTRE[shape]
 
 
-def junction_area(distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
-    """Return the area of the paper's junction, the lens, in um^2 (Eq. 2)."""
-    return LENS.area(distance_since_birth, diameter)
-
-
 def max_area(diameter: Doubles) -> Doubles:
     """Return A_jmax = pi d^2 / 4, the area at full overlap, in um^2 (paper Eq. 4)."""
     return np.asarray(0.25 * np.pi * diameter * diameter, dtype=np.float64)

@@ -290,7 +290,7 @@ def draw_population(figure: "Figure", stretch: Stretch, of: Law) -> str:
         values = born(stretch, "death_distance") - born(stretch, "birth_distance")
     else:
         values = np.diff(born(stretch, "birth_distance"))
-    edges, mean = edges_of(values, POPULATION_BINS), stretch.model.births.mean
+    edges, mean = edges_of(values, POPULATION_BINS), stretch.model.births.mean_spacing
     if of == "gaps" and np.ptp(values) > NEAREST * mean:
         edges = np.linspace(0.0, LONGEST_GAPS * mean, POPULATION_BINS + 1)
     (words, label), axes = LAWS[of], figure.subplots()

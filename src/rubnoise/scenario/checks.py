@@ -146,8 +146,8 @@ def _excitation_problems(document: Document, layers: Layers, wrong: Collection[s
 def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:
     """Refuse clusters so wide that any stretch of births needs most births of the run."""
     births = model.births
-    if isinstance(births, ScatteredBirths) and births.width > _MOST_SPACINGS * births.mean:
-        message = f"{births.width:.3g} um is {births.width / births.mean:.3g} mean spacings of births"
+    if isinstance(births, ScatteredBirths) and births.width > _MOST_SPACINGS * births.mean_spacing:
+        message = f"{births.width:.3g} um is {births.width / births.mean_spacing:.3g} mean spacings of births"
         yield layers.problem(("birth", "cluster_width"), message, f"at most {_MOST_SPACINGS:g} spacings")
 
 

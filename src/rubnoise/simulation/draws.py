@@ -16,8 +16,11 @@ from rubnoise.streams import Stream, uniforms
 BLOCK: Final = 16_384
 """Births of a block: enough to make arrays worth their overhead, few enough for the processor's cache."""
 
-_RUN = (Stream.DIAMETERS, Stream.STRENGTHS, Stream.OFFSETS)
-_PAST = (Stream.PAST_DIAMETERS, Stream.PAST_STRENGTHS, Stream.PAST_OFFSETS)
+_STREAMS: Final = {
+    1: (Stream.DIAMETERS, Stream.STRENGTHS, Stream.OFFSETS),
+    -1: (Stream.PAST_DIAMETERS, Stream.PAST_STRENGTHS, Stream.PAST_OFFSETS),
+}
+"""Streams of a run, and of what was born before its start."""
 
 
 def births_per_block(model: Model) -> int:
@@ -25,28 +28,22 @@ def births_per_block(model: Model) -> int:
     return max(BLOCK, ceil(10.0 * model.mean_junction_count))
 
 
-def birth_distances(model: Model, seed: int, block: int, begin: float) -> Doubles:
-    """Return the births of a block, the first of which is at ``begin``, then that of the block after it (um)."""
-    following = model.births.beyond(seed, block, begin, births_per_block(model), 1)
-    return np.concatenate([[begin], following])
-
-
 def draw_block(model: Model, seed: int, block: int, begin: float, first: int) -> tuple[LiveRows, float]:
     """Return those births of a block that lie within the run, numbered from ``first`` on, and the next birth (um).
 
     That may lie beyond the run.
     """
-    birth = birth_distances(model, seed, block, begin)
+    birth = model.births.places(seed, block, begin, births_per_block(model), 1)
     count = min(int(np.searchsorted(birth, model.distance, side="right")), birth.size - 1)
     junction = np.arange(first, first + count, dtype=np.int64)
-    return _rows(model, seed, _RUN, block, junction, birth[:count]), float(birth[count])
+    return _rows(model, seed, 1, block, junction, birth[:count]), float(birth[count])
 
 
 def count_births(model: Model, seed: int) -> int:
     """Return the number of births within the run, counted from the gaps alone."""
     block, begin, count = 0, model.births.around(seed)[1], 0
     while begin <= model.distance:
-        birth = birth_distances(model, seed, block, begin)
+        birth = model.births.places(seed, block, begin, births_per_block(model), 1)
         count += int(np.searchsorted(birth[:-1], model.distance, side="right"))
         block, begin = block + 1, float(birth[-1])
     return count
@@ -65,31 +62,20 @@ def past(model: Model, seed: int, begin: float) -> LiveRows:
     The latest has the number -1. A contact that starts empty has none. All births are looked at from the longest
     possible life before ``begin`` on.
     """
-    found, block, place = [LiveRows.none()], 0, model.births.around(seed)[0]
+    found, block, place = LiveRows.none(), 0, model.births.around(seed)[0]
     count, oldest = births_per_block(model), begin - 2.0 * largest_of(model.sizes)
     while model.start == "stationary" and place >= oldest:
-        following = model.births.beyond(seed, block, place, count, -1)
-        birth = np.concatenate([[place], following[:-1]])
+        birth = model.births.places(seed, block, place, count, -1)
         junction = -1 - block * count - np.arange(count, dtype=np.int64)
-        rows = _rows(model, seed, _PAST, block, junction, birth)
-        found.append(rows.at(np.flatnonzero(rows.natural_death > begin)))
-        block, place = block + 1, float(following[-1])
-    together = found[0]
-    for rows in found[1:]:
-        together = together.then(rows)
-    return together.at(np.arange(len(together))[::-1])
+        rows = _rows(model, seed, -1, block, junction, birth[:-1])
+        found = found.then(rows.at(np.flatnonzero(rows.natural_death > begin)))
+        block, place = block + 1, float(birth[-1])
+    return found.at(np.arange(len(found))[::-1])
 
 
-def _rows(
-    model: Model,
-    seed: int,
-    streams: tuple[Stream, Stream, Stream],
-    block: int,
-    junction: NDArray[np.int64],
-    birth: Doubles,
-) -> LiveRows:
+def _rows(model: Model, seed: int, way: int, block: int, junction: NDArray[np.int64], birth: Doubles) -> LiveRows:
     """Return the first junctions of a block: the n-th is always made of the n-th numbers of its streams."""
-    sizes, strengths, offsets = streams
+    sizes, strengths, offsets = _STREAMS[way]
     count = birth.size
     diameter, strength, offset = model.sizes.quantile(uniforms(seed, sizes, block, count)), np.ones(count), None
     if model.strengths is not None:

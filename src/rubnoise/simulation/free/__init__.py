@@ -12,10 +12,8 @@ of an overlap. With ``restitution`` e, k_i is 1 while the overlap grows and e^2 
 
 ===============  =======================================================================================
 `encounters`     places and heights from the seed, in blocks of distance and layers of height
-`series`         power series of a step, and the first time at which something reaches 0 in it
-`contacts`       sums over the encounters in contact, and what happens where an overlap stops growing
+`contacts`       sums over the encounters in contact, the power series of a step, and first times in it
 `motion`         from event to event through a block, compiled
-`contact_run`    the motion block by block, and its rows
 ===============  =======================================================================================
 
 Steps end at events and at borders of blocks, never at a tick. No bit of the motion depends on the number of layers of

@@ -9,27 +9,26 @@ from rubnoise.compiling import compiled, compiled_within
 from rubnoise.record.rows import ContactKind
 from rubnoise.simulation.free.contacts import (
     LOADS,
+    ORDER,
+    OVERLAP,
     POWERS,
+    RATE,
     SHARES,
+    TURN,
     Law,
     Records,
     Series,
     add_up,
+    bounds,
+    first_zero,
     load_of,
+    motion_series,
     overlap_of,
+    pushed_series,
     rate_of,
+    shortened,
     slides_until,
     turned,
-)
-from rubnoise.simulation.free.series import (
-    ORDER,
-    TURN,
-    bounds,
-    motion_series,
-    overlap_zero,
-    pushed_series,
-    rate_zero,
-    shortened,
 )
 from rubnoise.simulation.series import rate, value
 
@@ -213,7 +212,7 @@ def _first_touch(now: Any, law: Law, surface: Surface, bend: float, series: Doub
         overlap, slope = summit.height - ahead * ahead - now.z, 2.0 * law.speed * ahead - now.w
         if overlap + max(slope, 0.0) * when + 0.5 * max(bend, 0.0) * when * when < 0.0:
             continue
-        time = overlap_zero(overlap, ahead, law.speed, 1.0, bend, series, when)
+        time = first_zero(OVERLAP, overlap, ahead, law.speed, 1.0, bend, 0.0, series, when)
         if time < when:
             which, when = surface.listed[n], time
     return which, when
@@ -228,7 +227,7 @@ def _first_break(now: Any, law: Law, contacts: Records, bend: float, series: Dou
         slope = rate_of(contacts[n], now.s, now.w, law.speed)
         if n == now.sliding or overlap + min(slope, 0.0) * when - 0.5 * max(bend, 0.0) * when * when > 0.0:
             continue
-        time = overlap_zero(overlap, ahead, law.speed, -1.0, bend, series, when)
+        time = first_zero(OVERLAP, overlap, ahead, law.speed, -1.0, bend, 0.0, series, when)
         if time < when:
             which, when = n, time
     return which, when
@@ -257,7 +256,7 @@ def _first_turn(
                 begin = _begin_fresh(f_slope, -6.0 * way * series[3], third, fourth, step)
         if begin == 0.0 and f + max(f_slope, 0.0) * when + 0.5 * third * when * when < 0.0:
             continue
-        time = rate_zero(ahead, level, law.speed, way, third, begin, series, when)
+        time = first_zero(RATE, -level, ahead, law.speed, way, third, begin, series, when)
         if time < when:
             which, when = n, time
     return which, when
@@ -281,7 +280,7 @@ def _next_event(
         event, which, when = _TURN, other, at
     z, bottom = now.z, surface.bottom
     if z + min(now.w, 0.0) * when + 0.5 * min(least, 0.0) * when * when <= bottom and (
-        z <= bottom or overlap_zero(bottom - z, 0.0, 0.0, 1.0, -least, series, when) < np.inf
+        z <= bottom or first_zero(OVERLAP, bottom - z, 0.0, 0.0, 1.0, -least, 0.0, series, when) < np.inf
     ):
         return -1, -1, 0.0
     return event, which, when
@@ -297,7 +296,7 @@ def _note_largest(now: Any, law: Law, contacts: Records, third: float, series: D
         last = 2.0 * speed * (ahead - speed * when) - rate(series, ORDER, when)
         time = when
         if first > 0.0 and last < 0.0:
-            time = min(rate_zero(ahead, 0.0, speed, -1.0, third, 0.0, series, when), when)
+            time = min(first_zero(RATE, 0.0, ahead, speed, -1.0, third, 0.0, series, when), when)
         overlap = overlap_of(contacts[n], now.s, now.z) + speed * time * (2.0 * ahead - speed * time)
         contacts[n].largest = max(contacts[n].largest, overlap - value(series, ORDER, time))
 
