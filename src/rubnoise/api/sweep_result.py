@@ -105,7 +105,8 @@ class SweepResult:
     @cached_property
     def values(self) -> tuple[dict[str, Any], ...]:
         """The swept values of every point, by key, as written in the file."""
-        return tuple(json.loads(text) for text in self.points["values"][:])
+        found = [json.loads(text) for text in self.points["values"][:]]
+        return tuple({key: values[key] for key in self.keys} for values in found)
 
     @property
     def figures(self) -> tuple[str, ...]:

@@ -29,6 +29,8 @@ from rubnoise.units import RATIO, Quantity
 ABOUT: Final = ("run", "run_id", "point", "replicate", "seed", "file", "state", "reason")
 """The columns of runs that are neither swept keys nor figures."""
 
+_FILE_KEYS: Final = ("diameter.file", "diameter.column")
+
 
 def index_of(
     sweep: Sweep, points: Sequence[Point], found: Mapping[str, Figures], failed: Mapping[str, str], command: str
@@ -51,7 +53,7 @@ def index_of(
         *_progress(sweep.keep, points, found, failed),
         *_figures(runs),
     ]
-    values = [json.dumps(dict(point.values)) for point in of_points]
+    values = [json.dumps(_values_of(point)) for point in of_points]
     numbered = _column("point", "number of the point", np.arange(len(of_points)))
     return Index(
         texts=_texts(sweep, of_points[0].scenario, command),
@@ -59,6 +61,15 @@ def index_of(
         runs=_by_name(columns),
         summaries=_summaries(runs, numbers, len(of_points)),
     )
+
+
+def _values_of(point: Point) -> dict[str, Any]:
+    """Return the swept values of a point as written, with the sizes of a swept file, which may go."""
+    found = dict(point.values)
+    if not found.keys().isdisjoint(_FILE_KEYS):
+        sizes = point.scenario.resolved()["diameter"]
+        found |= {f"diameter.{name}": sizes[name] for name in ("values", "hash")}
+    return found
 
 
 def _texts(sweep: Sweep, first: Scenario, command: str) -> dict[str, str]:

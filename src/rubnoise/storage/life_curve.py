@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import LENS, OFF_CENTRE, PULSES, Pulse, Shape
+from rubnoise.contact.pulses import LENS, OFF_CENTRE, PULSES, Pulse, Shape, pulse_of
 from rubnoise.errors import RunFileRefused
 
 _WHERE: Final = (
@@ -45,7 +45,7 @@ def stored_pulse(scenario_resolved: object) -> Pulse:
             raise RunFileRefused(
                 f"the scenario in the file has the pulse {what} {str(found)[:40]!r}, which is not known"
             )
-    return PULSES[shape] if offset == "none" else OFF_CENTRE[shape]
+    return pulse_of(shape, offset)
 
 
 HALF_POINTS = 512
