@@ -2,7 +2,7 @@
 
 import json
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from typing import Any, Final
@@ -60,6 +60,12 @@ def filled(text: str, values: Mapping[str, str]) -> str:
 def part(package: str, name: str) -> str:
     """Return the text of a file in the folder `parts` of a package."""
     return (files(package) / "parts" / name).read_text(encoding="utf-8")
+
+
+def script_parts(package: str, names: Iterable[str]) -> dict[str, str]:
+    """Return what all pages share and files of a package by name, each as a function of its own."""
+    sources = [("rubnoise", "arrays"), ("rubnoise", "areas"), *((package, name) for name in names)]
+    return {name: f"(() => {{\n'use strict';\n{part(place, f'{name}.js')}}})();" for place, name in sources}
 
 
 def packed(values: NDArray[Any]) -> dict[str, str]:

@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
-from rubnoise.lesson.page import script_parts
+from rubnoise.lesson.page import scripts_by_name
 from rubnoise.scenario import Scenario, build
 from tests.architecture.sources import ROOT
 
 # The model of the page, run by node without a page around it, and the contacts that it is compared in.
 # The model of the page, run by node without a page around it.
-WITHOUT_A_PAGE = "\n".join(takewhile(lambda text: "rub.plot = " not in text, script_parts().values()))
+WITHOUT_A_PAGE = "\n".join(takewhile(lambda text: "rub.plot = " not in text, scripts_by_name().values()))
 FIGURE_5: dict[str, Any] = {
     "meanArea": 200.0,
     "meanCount": 20.0,

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rubnoise.web_page import part
+from rubnoise.web_page import script_parts
 from tests.architecture.sources import PACKAGE
 
 PARTS = PACKAGE / "pages" / "parts"
@@ -30,9 +30,7 @@ def answer(data: dict[str, Any], body: str, **given: Any) -> Any:
     node = shutil.which("node")
     if node is None:
         pytest.skip("NO NODE FOUND: conditions and lives of the page are not tested without a browser")
-    names = ("rows.js", "where.js", "life.js", "welch.js")
-    shared = [part("rubnoise", name) for name in ("arrays.js", "areas.js")]
-    parts = "\n".join([*shared, *(part("rubnoise.pages", name) for name in names)])
+    parts = "\n".join(script_parts("rubnoise.pages", ("rows", "where", "life", "welch")).values())
     program = (
         "const both = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n"
         "globalThis.document = { getElementById: () => ({ textContent: JSON.stringify(both.data) }) };\n"

@@ -20,12 +20,12 @@ from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.exact import Exact, exact
-from rubnoise.web_page import filled, packed, part, web_page
+from rubnoise.web_page import filled, packed, part, script_parts, web_page
 
 _HERE: Final = "rubnoise.lesson"
 _FIRST: Final = (
     "numbers random pulses model rows theory theory_regular theory_density world piece slider load field motion flight"
-    " trace run seen reading plot places stage stack traces"
+    " trace run seen reading plot places stage traces"
 )
 _LAST: Final = "main"
 """Parts of the script that others build on come first, and the one that begins comes last."""
@@ -45,7 +45,7 @@ def page(title: str, settings: LessonSettings, record: dict[str, Any] | None = N
         "readings": readings(),
     }
     styles = [_short(part(_HERE, name)) for name in _names(".css")]
-    scripts = [_short(text) for text in script_parts().values()]
+    scripts = [_short(text) for text in scripts_by_name().values()]
     missing = " and no ".join(settings.borrowed)
     subtitle = f"The scenario has no {missing}: that of the paper's Figure 5 stands in." if missing else ""
     body = filled(
@@ -55,16 +55,11 @@ def page(title: str, settings: LessonSettings, record: dict[str, Any] | None = N
     return web_page(body, title=f"Lessons on rubbing noise: {title}", styles=styles, scripts=scripts, data=data)
 
 
-def script_parts() -> dict[str, str]:
+def scripts_by_name() -> dict[str, str]:
     """Return the texts of the script's parts by name, in the order in which they run."""
     first = _FIRST.split()
     names = [*first, *sorted({name.removesuffix(".js") for name in _names(".js")} - {*first, _LAST}), _LAST]
-    shared = {name: part("rubnoise", f"{name}.js") for name in ("arrays", "areas")}
-    return (
-        shared
-        | {"tables": f"rub.tables = {json.dumps(tables())};"}
-        | {name: part(_HERE, f"{name}.js") for name in names}
-    )
+    return {"tables": f"globalThis.rub = {{ tables: {json.dumps(tables())} }};"} | script_parts(_HERE, names)
 
 
 def _names(ending: str) -> list[str]:

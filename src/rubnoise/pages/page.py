@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
-from rubnoise.web_page import filled, part, web_page
+from rubnoise.web_page import filled, part, script_parts, web_page
 
 HERE: Final = "rubnoise.pages"
 
@@ -17,7 +17,7 @@ def page(template: str, *, title: str, styles: Sequence[str], scripts: Sequence[
         filled(part(HERE, template), {"title": escape(title)}),
         title=title,
         styles=[part(HERE, name) for name in styles],
-        scripts=[part("rubnoise", "arrays.js"), part("rubnoise", "areas.js"), *(part(HERE, name) for name in scripts)],
+        scripts=[part(HERE, "uPlot.iife.min.js"), *script_parts(HERE, scripts).values()],
         data=data,
     )
 
@@ -30,7 +30,7 @@ def side_by_side(pages: Mapping[str, str]) -> str:
         "\n".join(frames),
         title=" and ".join(pages),
         styles=[part(HERE, "beside.css")],
-        scripts=[part(HERE, "beside.js")],
+        scripts=[*script_parts(HERE, ["beside"]).values()],
         data={},
     )
 

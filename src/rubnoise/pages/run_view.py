@@ -45,9 +45,8 @@ CURVES: Final = {
 }
 STYLES: Final = ("uPlot.min.css", "view.css")
 SCRIPTS: Final = (
-    "uPlot.iife.min.js",
-    *("rows.js", "plot.js", "where.js", "life.js", "sums.js", "window.js", "charts.js", "lives.js", "table.js"),
-    *("phase.js", "largest.js", "welch.js", "statistics.js", "view.js"),
+    *("rows", "plot", "where", "life", "sums", "window", "charts", "lives", "table"),
+    *("phase", "largest", "welch", "statistics", "view"),
 )
 
 

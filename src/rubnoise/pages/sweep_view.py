@@ -28,7 +28,7 @@ FEWEST_SEGMENTS, FEWEST_TICKS = 4, 16
 
 CURVES: Final = {"trace": ("distance", "real_contact_area"), "slider": ("time", "displacement")}
 STYLES: Final = ("uPlot.min.css", "view.css", "sweep.css")
-SCRIPTS: Final = ("uPlot.iife.min.js", "rows.js", "plot.js", "sweep.js")
+SCRIPTS: Final = ("rows", "plot", "sweep")
 
 
 def sweep_page(sweep: SweepResult, name: str) -> str:
