@@ -42,19 +42,16 @@ def web_page(
     The scripts find ``data`` as JSON in the element `data`. Without scripts the page may run none. A title stays text,
     whatever is written in it.
     """
-    sources = "img-src data:; media-src data:"
-    values = {"title": escape(title), "style": "\n".join(styles), "body": body, "policy": sources, "script": ""}
-    if scripts:
-        text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")  # no text can end the element that holds it
-        values["policy"] = f"script-src 'unsafe-inline'; {sources}"
-        values["script"] = filled(_SCRIPT, {"data": text, "script": "\n".join(scripts)})
+    text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")  # no text can end the element that holds it
+    script = filled(_SCRIPT, {"data": text, "script": "\n".join(scripts)}) if scripts else ""
+    policy = ("script-src 'unsafe-inline'; " if scripts else "") + "img-src data:; media-src data:"
+    values = {"title": escape(title), "style": "\n".join(styles), "body": body, "policy": policy, "script": script}
     return filled(_FRAME, values)
 
 
 def filled(text: str, values: Mapping[str, str]) -> str:
     """Return a text with each ``@name@`` replaced by its value; a value is not searched for further names."""
-    pieces = text.split("@")
-    return "".join(values[piece] if i % 2 else piece for i, piece in enumerate(pieces))
+    return "".join(values[piece] if i % 2 else piece for i, piece in enumerate(text.split("@")))
 
 
 def part(package: str, name: str) -> str:

@@ -45,13 +45,13 @@ def page(title: str, settings: LessonSettings, record: dict[str, Any] | None = N
         "readings": readings(),
     }
     styles = [_short(part(_HERE, name)) for name in _names(".css")]
-    scripts = [_short(text) for text in scripts_by_name().values()]
     missing = " and no ".join(settings.borrowed)
     subtitle = f"The scenario has no {missing}: that of the paper's Figure 5 stands in." if missing else ""
     body = filled(
         part(_HERE, "page.html"),
         {"title": escape(title), "subtitle": escape(subtitle), "replaying": escape(record["note"] if record else "")},
     )
+    scripts = [_short(text) for text in scripts_by_name().values()]
     return web_page(body, title=f"Lessons on rubbing noise: {title}", styles=styles, scripts=scripts, data=data)
 
 
