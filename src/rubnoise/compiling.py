@@ -33,31 +33,24 @@ Products may be fused with sums; sums keep their order, since the bits are part 
 
 
 def compiled(function: Any) -> Any:
-    """Compile a function at its first call, and keep the code for later processes if a folder can be written."""
-    return _kept(function, **_HOW)
+    """Compile a function at its first call, and keep the code for later processes if a folder can be written.
+
+    numba's folder is ours only meanwhile, since kernels of other packages have theirs.
+    """
+    folder = _folder()
+    if folder is None:
+        return compiled_within(function)
+    theirs = _CONFIG.CACHE_DIR
+    _CONFIG.CACHE_DIR = str(folder)
+    try:
+        return njit(cache=True, **_HOW)(function)
+    finally:
+        _CONFIG.CACHE_DIR = theirs
 
 
 def compiled_within(function: Any) -> Any:
     """Compile a function that compiled ones call, as a part of them."""
     return njit(**_HOW)(function)
-
-
-def compiled_for_speed(function: Any) -> Any:
-    """Compile a function whose bits are not promised: its sums may be added up in any order."""
-    return _kept(function, error_model="numpy", fastmath={"reassoc", "contract"})
-
-
-def _kept(function: Any, **how: Any) -> Any:
-    """Compile with numba's cache in our own folder; the folder is set only meanwhile, for other kernels have theirs."""
-    folder = _folder()
-    if folder is None:
-        return njit(**how)(function)
-    theirs = _CONFIG.CACHE_DIR
-    _CONFIG.CACHE_DIR = str(folder)
-    try:
-        return njit(cache=True, **how)(function)
-    finally:
-        _CONFIG.CACHE_DIR = theirs
 
 
 class CodeNotKept(UserWarning):

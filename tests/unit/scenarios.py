@@ -7,8 +7,18 @@ from pathlib import Path
 import pytest
 
 from rubnoise.errors import ScenarioRefused
+from rubnoise.record.tally import Tally
 from rubnoise.scenario import loads
-from rubnoise.scenario.sweep import Sweep, load_sweep
+from rubnoise.scenario.sweep import Point, Sweep, load_sweep
+from rubnoise.simulation.run import simulate
+
+
+def tallied(point: Point) -> Tally:
+    """Run a point, and return its figures."""
+    tally = Tally()
+    simulate(point.scenario.model(), point.seed, tally, engine="batch")
+    return tally
+
 
 # Scenario texts for the tests: a whole one, and the same with lines replaced.
 WHOLE = """\

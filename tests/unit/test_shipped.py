@@ -8,13 +8,12 @@ import pytest
 import rubnoise
 from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio
-from rubnoise.record.tally import Tally
-from rubnoise.runs.making import Measurement, run_points
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Sweep, load_sweep, points_of
 from rubnoise.theory.exact import Exact
 from tests.architecture.sources import ROOT
+from tests.unit.scenarios import tallied
 
 # The studies that come along ask what their comments say, and theory answers it.
 STUDIES = ROOT / "scenarios" / "studies"
@@ -77,18 +76,9 @@ def test_a_texture_has_the_same_area_and_less_vibration() -> None:
     assert reductions[-1] == pytest.approx(5.0**0.75, rel=1e-3)
 
 
-def _spread(_model: object, tally: Tally) -> float:
-    return tally.moments["friction_force"].std
-
-
-def _tally(_extent: object) -> Tally:
-    return Tally()
-
-
 def _pooled(study: Sweep, count: int) -> PooledEstimate:
     [case] = [case for case in study.cases if case.values[COUNT] == count]
-    runs = run_points(points_of([case], 12), Measurement(sink=_tally, read=_spread))
-    return pooled(FORCE, [value for _, value in runs])
+    return pooled(FORCE, [tallied(point).moments["friction_force"].std for point in points_of([case], 12)])
 
 
 def test_the_reduction_is_found_by_simulation_with_an_interval_that_holds_it() -> None:

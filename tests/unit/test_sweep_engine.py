@@ -14,16 +14,13 @@ import numpy as np
 import pytest
 
 from rubnoise.errors import Refused, RunStopped
-from rubnoise.model import Model
-from rubnoise.record.tally import Tally
 from rubnoise.runs import executors
 from rubnoise.runs.executors import Attempts, Here, Outcome, Workers, WorkLost, given, local
-from rubnoise.runs.making import Measurement, run_points
 from rubnoise.scenario.sweep import Point, expand
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from tests.unit import errands
-from tests.unit.scenarios import sweep_of
+from tests.unit.scenarios import sweep_of, tallied
 
 
 # Every point is run once, also if workers die, in this process and in others.
@@ -194,20 +191,13 @@ def test_work_that_nobody_has_any_more_ends_the_sweep(points: tuple[Point, ...])
 TABLE = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 40]\n"
 
 
-def _std(model: Model, tally: Tally) -> float:
-    return tally.moments["real_contact_area"].std
-
-
-STDS = Measurement(sink=lambda extent: Tally(), read=_std)
-
-
 def test_replicates_are_independent_runs_of_one_theory(tmp_path: Path) -> None:
     table = TABLE.replace("replicates = 2", "replicates = 8")
     for count in (10, 40):
         points = [point for point in expand(sweep_of(tmp_path, table, "sliding.distance=3 mm"))
                   if point.values["interface.mean_junction_count"] == count]  # fmt: skip
         model = points[0].scenario.model()
-        found = np.array([std for _, std in run_points(points, STDS)])
+        found = np.array([tallied(point).moments["real_contact_area"].std for point in points])
         error = standard_errors(model)["std"] / sqrt(len(points))
         assert abs(found.mean() - area_cumulants(model).std) <= 4.0 * error
         assert found.std(ddof=1) == pytest.approx(standard_errors(model)["std"], rel=1.2)

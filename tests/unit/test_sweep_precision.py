@@ -8,12 +8,10 @@ from random import Random
 import numpy as np
 import pytest
 
-from rubnoise.record.tally import Tally
-from rubnoise.runs.making import Measurement, measured
 from rubnoise.runs.sweep import AdaptiveReplicates
 from rubnoise.scenario.sweep import Point, Sweep, points_of
 from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS, Sweeping
-from tests.unit.scenarios import GRID, sweep_of, sweep_refusal
+from tests.unit.scenarios import GRID, sweep_of, sweep_refusal, tallied
 from tests.verification.scores import seed_of
 
 # A precision asks for as many replicates as it takes, in a way that only their own figures decide.
@@ -84,19 +82,8 @@ def _sweep(folder: Path, precision: float = 0.02, most: int = 200) -> Sweep:
     return sweep_of(folder, TABLE.format(precision=precision, most=most), "sliding.distance=500 um")
 
 
-def _std(_model: object, tally: Tally) -> float:
-    return tally.moments["real_contact_area"].std
-
-
-def _tally(_extent: object) -> Tally:
-    return Tally()
-
-
-MEASURE = Measurement(sink=_tally, read=_std)
-
-
 def _figures(point: Point) -> dict[str, float]:
-    return {"real_contact_area_std": measured(point, MEASURE)}
+    return {"real_contact_area_std": tallied(point).moments["real_contact_area"].std}
 
 
 def _rounds(sweep: Sweep, run: Callable[[Point], dict[str, float]] = _figures, shuffle: int = 0) -> Figures:

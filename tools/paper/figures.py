@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from paper.ledger import Tell
 from rubnoise.api.running import simulate
@@ -12,7 +12,6 @@ from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style
 from rubnoise.record.reader import MemoryRecord
-from rubnoise.runs.making import Measurement, run_points
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Point, expand, load_sweep
@@ -41,12 +40,12 @@ class Sources:
         """Run a scenario, and return its run from the start to a distance in um, or all of it."""
         return Stretch.of(simulate(self.scenario(name)).reader(), 0.0, stop)
 
-    def points(self, name: str, measure: Measurement[MemoryRecord, Any]) -> Iterator[tuple[Point, Any]]:
-        """Run a sweep, and yield its points with what was measured."""
+    def points(self, name: str) -> Iterator[tuple[Point, MemoryRecord]]:
+        """Run a sweep, and yield its points with their runs."""
         points = expand(load_sweep(self._path(name)))
-        for done, found in enumerate(run_points(points, measure), 1):
+        for done, point in enumerate(points, 1):
             self.tell(f"{name}: {done} of {len(points)} runs")
-            yield found
+            yield point, simulate(point.scenario).reader()
 
     def _path(self, name: str) -> Path:
         return shipped(f"paper/{name}.toml") if self.folder is None else self.folder / f"{name}.toml"

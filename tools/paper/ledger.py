@@ -14,9 +14,8 @@ from typing import Any, Final
 
 from paper.quantities import QUANTITIES, Band, Quantity, Run
 from rubnoise.analysis.replicates import PooledEstimate, difference, estimate, ratio
+from rubnoise.api.running import simulate
 from rubnoise.model import Model
-from rubnoise.record.reader import MemoryRecord
-from rubnoise.runs.making import Measurement, run_points
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
 
@@ -226,13 +225,11 @@ class Ledger:
             if name in self.quantities and (measured := self.quantities[name].measured) is not None
         }
 
-        def all_of(model: Model, record: MemoryRecord) -> dict[str, float]:
-            run = Run(model, record)
-            return {name: measured(run) for name, measured in read.items()}
-
         points = expand(load_sweep(shipped(f"claims/{scenario}.toml")))
         found: dict[int, tuple[Any, list[dict[str, float]]]] = {}
-        for number, (point, numbers) in enumerate(run_points(points, Measurement(sink=MemoryRecord, read=all_of))):
+        for number, point in enumerate(points):
+            run = Run(point.scenario.model(), simulate(point.scenario).reader())
+            numbers = {name: measured(run) for name, measured in read.items()}
             self.tell(f"{scenario}: run {number + 1} of {len(points)}")
             found.setdefault(number - point.replicate, (point, []))[1].append(numbers)
         return tuple(

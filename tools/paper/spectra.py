@@ -14,8 +14,6 @@ from rubnoise.api.running import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.figures.style import BLUE, CONFIDENCE, INK, SERIES, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
-from rubnoise.record.reader import MemoryRecord
-from rubnoise.runs.making import Measurement
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import spectral_density
@@ -27,11 +25,10 @@ Spot = tuple[Model, float, float]
 def spreads_of(sources: Sources) -> list[list[Spot]]:
     """Run the sweep of Figure 7, and return its points for each mean area, the replicates of a point taken together."""
     runs: dict[tuple[float, float], tuple[Model, list[float]]] = {}
-    variance = Measurement(sink=MemoryRecord, read=lambda _, record: float(record["trace"]["real_contact_area"].var()))
-    for point, found in sources.points("fig7", variance):
+    for point, record in sources.points("fig7"):
         model = point.scenario.model()
         place = model.mean_real_contact_area, model.mean_junction_count
-        runs.setdefault(place, (model, []))[1].append(found)
+        runs.setdefault(place, (model, []))[1].append(float(record["trace"]["real_contact_area"].var()))
     spots = {
         place: (model, sqrt(sum(found) / len(found)), standard_errors(model)["std"] / sqrt(len(found)))
         for place, (model, found) in sorted(runs.items(), key=lambda each: each[0])
@@ -127,11 +124,11 @@ def draw_fig9(sources: Sources) -> Figure:
     """Draw S(k) of every point, and all of them again over variance and mean life."""
     figure = new_figure(7.2, 3.9)
     plain, scaled = figure.subplots(1, 2)
-    points = sources.points("fig9", Measurement(sink=MemoryRecord, read=spectrum_of))
-    for number, ((point, seen), (colour, _)) in enumerate(zip(points, cycle(SERIES), strict=False)):
+    points = sources.points("fig9")
+    for number, ((point, record), (colour, _)) in enumerate(zip(points, cycle(SERIES), strict=False)):
         model = point.scenario.model()
         life, variance = model.mean_life_distance, area_cumulants(model).variance
-        wavenumber, density = merged_bins(seen)
+        wavenumber, density = merged_bins(spectrum_of(model, record))
         shown = wavenumber <= 60.0 / life
         exact = np.geomspace(wavenumber[0], 60.0 / life, 900)
         law = spectral_density(model, exact)

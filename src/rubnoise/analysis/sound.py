@@ -177,7 +177,7 @@ def level_of(sound: Sound, between: Between) -> Level:
     for chunk in sound.chunks():
         if not np.isfinite(chunk).all():
             raise RunFileRefused(f"/{sound.group}/{sound.column} is damaged: it holds what is no number")
-        moments.add_plain(chunk)
+        moments.add(chunk)
         if total is not None:
             total.add(chunk)
         between()

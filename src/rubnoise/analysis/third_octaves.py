@@ -57,7 +57,7 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
     total, moments = WelchSum(ticks, model.tick_duration), Moments(powers=2)
     for velocity in column_chunks(rows, "load", "velocity", 0, count):
         total.add(velocity)
-        moments.add_plain(velocity)
+        moments.add(velocity)
     spectrum = total.spectrum()
     width = float(spectrum.wavenumber[1]) / (2.0 * pi)
     edges = width * (np.arange(spectrum.density.size) + 0.5)

@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from rubnoise.api.kinds import Kind, Style
     from rubnoise.api.trace import Trace
     from rubnoise.model import Model
-    from rubnoise.record.reader import HashedReader
     from rubnoise.runs.verification import Verification
     from rubnoise.scenario import Scenario
     from rubnoise.theory.exact import Exact
@@ -304,7 +303,7 @@ class Run:
         """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
         return self.scenario.model()
 
-    def _file_of(self) -> "AbstractContextManager[HashedReader]":
+    def _file_of(self) -> "AbstractContextManager[RunFile]":
         """Return the run as an open file."""
         return nullcontext(self._reader)  # type: ignore[arg-type]
 

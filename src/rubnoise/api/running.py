@@ -32,8 +32,8 @@ from rubnoise.theory.exact import Exact
 from rubnoise.theory.exact import exact as exact_of_model
 
 if TYPE_CHECKING:
-    from rubnoise.record.reader import HashedReader
     from rubnoise.runs.making import KeptRun
+    from rubnoise.storage.reader import RunFile
 
 
 class Record(Run):
@@ -78,7 +78,7 @@ class Record(Run):
         return Run(open_run(path))
 
     @contextmanager
-    def _file_of(self) -> "Iterator[HashedReader]":
+    def _file_of(self) -> "Iterator[RunFile]":
         with TemporaryDirectory(prefix="rubnoise-") as folder, self.save(Path(folder) / "record.h5") as run:
             yield run.reader()  # type: ignore[misc]
 

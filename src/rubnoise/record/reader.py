@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import ceil
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -55,20 +54,6 @@ class Reader(Rows, Protocol):
         """Scenario, software, seed, command and times."""
 
 
-class HashedReader(Reader, Protocol):
-    """A run that stores hashes of its columns and attributes."""
-
-    @property
-    def seal(self) -> str:
-        """The hash of the attributes; None if there is none."""
-
-    def damaged(self) -> tuple[str, ...]:
-        """Return the columns that cannot be read or differ from their stored hash."""
-
-    def inventory(self) -> Mapping[str, Mapping[str, Any]]:
-        """Return every group, column and attribute of the file, also objects of others."""
-
-
 class Chunk(dict[str, NDArray[Any]]):
     """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is first asked for."""
 
@@ -94,10 +79,6 @@ def column_chunks(
     """Yield rows ``start`` to ``stop`` (to the end when None) of a column, as `chunks` yields all columns."""
     for part in slices(start, rows.rows(group) if stop is None else stop, size):
         yield rows.column(group, name, part.start, part.stop)
-
-
-_LINE = 64
-"""Bytes at whose multiples columns begin, as the processor fetches them."""
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
@@ -156,11 +137,4 @@ class MemoryRecord:
 
 
 def _room_for(columns: Columns, rows: int) -> dict[str, NDArray[Any]]:
-    """Return columns of ``rows`` rows in one piece of memory, which the system allocates faster than many pieces."""
-    sizes = {name: rows * values.itemsize for name, values in columns.items()}
-    places = np.cumsum([0, *(ceil(size / _LINE) * _LINE for size in sizes.values())])
-    memory = np.empty(int(places[-1]), dtype=np.uint8)
-    return {
-        name: memory[place : place + size].view(columns[name].dtype)
-        for (name, size), place in zip(sizes.items(), places[:-1].tolist(), strict=True)
-    }
+    return {name: np.empty(rows, values.dtype) for name, values in columns.items()}

@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import slices
 from rubnoise.model import Model
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.sink import Columns
@@ -40,24 +41,13 @@ class Moments:
     fourth: float = 0.0
 
     def add(self, values: NDArray[Any]) -> None:
-        """Add one panel of values of any numeric type."""
-        if not values.size:
-            return
-        from rubnoise.record.central_sums import central_sums  # which loads the compiler
-
-        whole = values if values.flags.writeable else values.copy()
-        mean, second, third, fourth = central_sums(whole, self.powers)
-        self._merge(values.size, mean, second, third, fourth)
-
-    def add_plain(self, values: NDArray[np.float64]) -> None:
-        """Add one panel as `add` does up to last digits, with numpy: reading a column does not load the compiler."""
-        if not values.size:
-            return
-        mean = float(values.mean())
-        away = values - mean
-        square = np.square(away)
-        higher = ((square * away).sum(), np.square(square).sum()) if self.powers > 2 else (0.0, 0.0)
-        self._merge(values.size, mean, float(square.sum()), *map(float, higher))
+        """Add values of any numeric type, some at a time, so that they stay in the processor's cache."""
+        for part in slices(0, values.size):
+            mean = float(values[part].mean())
+            away = values[part] - mean
+            square = np.square(away)
+            higher = ((square * away).sum(), np.square(square).sum()) if self.powers > 2 else (0.0, 0.0)
+            self._merge(away.size, mean, float(square.sum()), *map(float, higher))
 
     def _merge(self, count: int, mean: float, second: float, third: float, fourth: float) -> None:
         before, total = self.count, self.count + count

@@ -2,21 +2,19 @@
 
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import join
-from typing import Generic, TypeVar, cast
+from typing import cast
 
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.scores import attributes_of
 from rubnoise.arrays import slices
-from rubnoise.model import Model
 from rubnoise.record.reader import Attributes, MemoryRecord
 from rubnoise.record.sink import Extent, Sink, Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
-from rubnoise.scenario.sweep import Point
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.intervention import Intervention, name_of
 from rubnoise.simulation.linear import named_constants
@@ -138,32 +136,3 @@ def save(run: KeptRun, path: str | os.PathLike[str], *, force: bool = False) -> 
     with RunWriter(path, describe(run.scenario, path, this_command(), run.intervention), force=force) as writer:
         run.play_into(writer)
         writer.publish(run.summary)
-
-
-Kept = TypeVar("Kept", bound=Sink)
-Result = TypeVar("Result")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Measurement(Generic[Kept, Result]):
-    """A measurement of a run: ``sink`` takes its rows as they come, ``read`` returns the result at the end.
-
-    Nothing else is kept of a run.
-    """
-
-    sink: Callable[[Extent], Kept]
-    read: Callable[[Model, Kept], Result]
-
-
-def run_points(points: Iterable[Point], measure: Measurement[Kept, Result]) -> Iterator[tuple[Point, Result]]:
-    """Run points in their order, and yield each with its result as soon as it is known."""
-    for point in points:
-        yield point, measured(point, measure)
-
-
-def measured(point: Point, measure: Measurement[Kept, Result]) -> Result:
-    """Run one point and return its result, which does not depend on the process or the time."""
-    model = point.scenario.model()
-    sink = measure.sink(extent(model, point.seed))
-    simulate(model, point.seed, sink, engine=cast(Engine, point.scenario.run.engine))
-    return measure.read(model, sink)

@@ -20,7 +20,7 @@ from rubnoise.analysis.scores import attributes_of
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
-from rubnoise.record.reader import HashedReader, Reader, Rows, column_chunks
+from rubnoise.record.reader import Reader, Rows, column_chunks
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Columns, Tee
 from rubnoise.record.tally import Moments, Tally
@@ -32,6 +32,7 @@ from rubnoise.storage.format import seal_of
 from rubnoise.storage.layout import environment
 from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.objects import OF_HDF5, expected_inventory
+from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import HASH, INTERVENTION
 from rubnoise.streams import STREAM_VERSION
 
@@ -162,7 +163,7 @@ def verification(checks: Sequence[Check], omitted: Sequence[Row] = (), remark: s
     )
 
 
-def verify(run: HashedReader, regenerate: int = 0) -> Verification:
+def verify(run: RunFile, regenerate: int = 0) -> Verification:
     """Return the verification of a result file; memory does not grow with the run.
 
     ``regenerate`` adds no check, but raises Refused if the seed gives other random numbers here. Checks that depend on
@@ -194,7 +195,7 @@ def _stopped(checks: list[Check], reason: str) -> Verification:
     return verification(checks, [left_out("everything else", reason)])
 
 
-def _check_hashes(check: Check, run: HashedReader) -> list[str]:
+def _check_hashes(check: Check, run: RunFile) -> list[str]:
     """Compare columns and attributes with their hashes; return the columns that cannot be read."""
     check.values += sum(run.rows(group) * len(names) for group, names in run.columns.items())
     lost = []
@@ -212,7 +213,7 @@ def _check_hashes(check: Check, run: HashedReader) -> list[str]:
     return lost
 
 
-def _check_description(structure: Check, attributes: Check, scenario: Scenario, run: HashedReader) -> None:
+def _check_description(structure: Check, attributes: Check, scenario: Scenario, run: RunFile) -> None:
     """Compare objects, attributes and types with those of a file that is composed from the scenario."""
     model = scenario.model()
     extent = replace(run.extent, ticks=model.tick_count + 1, slider=model.slider_rows or run.extent.slider)
@@ -239,7 +240,7 @@ def _shown(value: object) -> str:
     return value if isinstance(value, str) else json.dumps(value)
 
 
-def _played(checks: list[Check], scenario: Scenario, run: HashedReader) -> Verification:
+def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verification:
     """Return the verification with a check of each group, and of the summary if rows are right."""
     compared, tally = _Compared(run), Tally.of(scenario.model())
     compared.play(scenario, run, tally)
