@@ -72,20 +72,8 @@ class ExtraMissing(Refused):
     """An optional library is needed and not installed."""
 
 
-class RunOutside(RubnoiseError):  # noqa: N818  (nothing failed: the run is not what theory says it is)
-    """A run with a figure outside of its bounds from theory; exit code 3."""
-
-    exit_code = 3
-
-
-class TraceDoubtful(RubnoiseError):  # noqa: N818  (nothing failed: the trace is not of the model, or says too little)
-    """A measured trace that does not follow the model, or is too short to find its junctions; exit code 3."""
-
-    exit_code = 3
-
-
-class RunDiffers(RubnoiseError):  # noqa: N818  (nothing failed: the file is not what it says it is)
-    """A result file that differs from what it should contain; exit code 3."""
+class NotPassed(RubnoiseError):  # noqa: N818  (nothing failed: what was looked at is not what it should be)
+    """An answer that does not pass: a run outside of theory or unlike its file, a doubtful trace; exit code 3."""
 
     exit_code = 3
 

@@ -10,13 +10,14 @@ import resource
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from shlex import join
 
 import h5py
 import pytest
 
+import rubnoise
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.storage.layout import origin, package_version
+from rubnoise.runs.making import describe as describe_run
+from rubnoise.storage.layout import package_version
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import attempt, describe, names
@@ -69,14 +70,9 @@ def test_a_disk_without_hard_links_gets_a_rename(tmp_path: Path, monkeypatch: py
 # Provenance names software, machine and command, and no person.
 @pytest.fixture(name="origin")
 def gathered() -> dict[str, object]:
-    return origin(
-        "",
-        {},
-        seed=12,
-        calibrated_diameter=5.53,
-        propagator_constants={"decay": 0.1},
-        command=join(["rubnoise", "run", "my run.toml", "--seed", "12"]),
-    )
+    command = ["rubnoise", "run", "my run.toml", "--seed", "12"]
+    about = describe_run(rubnoise.load("paper/fig5"), "run.h5", command).provenance
+    return {name: value for name, value in about.items() if not name.startswith("scenario_")}
 
 
 def test_command_can_be_pasted_into_a_shell(origin: dict[str, object]) -> None:

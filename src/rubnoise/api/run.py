@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
     from rubnoise.theory.exact import Exact
 
-INSIDE: Final = frozenset({"reader", "groups_by_name", "extent"})
+INSIDE: Final = frozenset({"reader", "groups_by_name"})
 """Names of a run that no user needs."""
 
 GROUP_NAMES: Final = frozenset(group.name for group in schema.GROUPS)

@@ -13,7 +13,6 @@ from rubnoise.api.column_group import Columns
 from rubnoise.api.run import Run
 from rubnoise.api.scenarios import load
 from rubnoise.errors import Refused, ScenarioRefused
-from rubnoise.record.sink import Extent
 from rubnoise.runs.making import KeptRun, describe, play
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.extent import Engine, extent
@@ -56,11 +55,6 @@ class Record(Run):
     def reader(self) -> "KeptRun":
         """Return the rows and what their file would say."""
         return self._reader
-
-    @property
-    def extent(self) -> Extent:
-        """The number of rows of each group."""
-        return self._reader.extent
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Run:
         """Write the run into a result file and open it: the bits are those of `rubnoise.run`.

@@ -5,17 +5,21 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
+from rubnoise.api import keywords
 from rubnoise.api.keywords import shown
-from rubnoise.errors import Refused, ScenarioRefused
+from rubnoise.errors import NoColumn, Refused, ScenarioRefused, refusing_files
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario
 from rubnoise.scenario import build as build_scenario
 from rubnoise.scenario import load as load_file
+from rubnoise.scenario.fields import MOST
 from rubnoise.scenario.layers import override_value
 from rubnoise.scenario.reading import in_full
 from rubnoise.scenario.shipped import named, shipped_names
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep import load_sweep as load_sweep_file
+from rubnoise.unit_spelling import check_unit
+from rubnoise.units import LENGTH, unit_or_one
 
 
 def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = ()) -> Scenario:
@@ -95,10 +99,34 @@ def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
 
 
 def sizes_of(path: str, column: str | None) -> Sequence[float]:
-    """Return the diameters in um of a column of a file; raises Refused, NoColumn if there is no such column."""
-    from rubnoise.storage.measured_sizes import read_sizes
+    """Return the diameters of a column of a file, whose unit is um if it names none; raises Refused, with the line.
 
-    return read_sizes(path, column)
+    A column is a name or a number from 1 on, of HDF5 the path of a dataset; a table of one column needs none.
+    """
+    from rubnoise.storage.foreign import opened
+    from rubnoise.storage.measured import check_values, column_of
+
+    with refusing_files(path):
+        if is_hdf5(path) and not column:
+            raise NoColumn(f'{path}: which dataset? column = "/junctions/diameter" names one')
+        source = opened(f"{path}:{column}" if is_hdf5(path) else path)
+        number = 0
+        if not is_hdf5(path) and (column is not None or len(source.heads) > 1):
+            number = column_of(source, column or "", "column")
+    head, values = source.heads[number], source.arrays[number]
+    check_unit(head.unit, f"{source.where}: {head.name}")
+    if head.unit and unit_or_one(head.unit).dimension != LENGTH.dimension:
+        raise Refused(f"{source.where}: {head.name}: has the unit {head.unit}; diameters are lengths")
+    if values.size > MOST:
+        raise Refused(f"{path}: has more than {MOST:,} values, which a result keeps at most; take fewer of it")
+    check_values(source, number)
+    wrong = (values * head.size < keywords.SMALLEST) | (values * head.size > keywords.LARGEST)
+    if wrong.any():
+        row = int(wrong.argmax())
+        possible = f"possible: {keywords.SMALLEST:g} to {keywords.LARGEST:g} um"
+        why = "must be above 0" if values[row] <= 0.0 else possible
+        raise Refused(f"{path}: {source.place(row)}: {head.name} is {values[row]:g}; {why}")
+    return tuple((values * head.size).tolist())
 
 
 def examples() -> tuple[str, ...]:

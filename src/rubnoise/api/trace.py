@@ -23,7 +23,7 @@ from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.signal import clipped, digits
 from rubnoise.real_numbers import with_unit
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import Asked, Source, measured
+from rubnoise.storage.measured import Source, measured
 from rubnoise.unit_spelling import NONE, OTHERS, check_unit
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
@@ -83,21 +83,18 @@ class Trace(Table):
         part = {"column": column, "time": time, "from_": from_, "to": to}
         if isinstance(source, str | os.PathLike):
             _refuse(f"of a file, which says it: {source}", name=name)
-            made = self._of_file(source, keywords.asked(place=place, rate=rate, **part), unit)
-        elif (columns := given_columns(source, sampled=rate is not None)) is not None or isinstance(source, Mapping):
+            name, asked = str(source), keywords.asked(place=place, rate=rate, **part)
+            with refusing_files(source):
+                found = read_measured(source, asked, every=True)
+        else:
+            name, columns = name or "trace", given_columns(source, sampled=rate is not None)
+            if columns is None and not isinstance(source, Mapping):
+                _refuse("of an array, whose place is time", place=place, time=time, column=column)
+                columns, rate, unit = _of_array(source, name, rate, unit), None, None
             first = "1" if (place, time, rate) == (None, None, None) else place
             asked = keywords.asked(place=first, rate=rate, **part)
-            made = self._of_columns(columns or source, asked, name or "trace", unit)
-        else:
-            _refuse("of an array, whose place is time", place=place, time=time, column=column)
-            often, name = keywords.quantity("rate", rate, FREQUENCY), name or "trace"
-            kept, own = with_unit(source, name, unit or "")
-            if often is None or (unit is None and not own):
-                raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
-            columns = {"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}
-            made = self._of_columns(columns, keywords.asked(place="1", from_=from_, to=to), name)
-        for each in fields(self):
-            object.__setattr__(self, each.name, getattr(made, each.name))
+            found = measured(source_of(columns or source, name), asked, every=True)
+        _fill(self, *_traced(found, name, unit))
 
     @classmethod
     def from_array(cls, values: ArrayLike, *, rate: Any = None, unit: str | None = None, name: str = "trace") -> Self:
@@ -114,11 +111,6 @@ class Trace(Table):
         return cls(os.fspath(path), **options)
 
     @classmethod
-    def _of_file(cls, path: str | os.PathLike[str], asked: Asked, unit: Any) -> Self:
-        with refusing_files(path):
-            return cls._of(read_measured(path, asked, every=True), str(path), unit)
-
-    @classmethod
     def from_arrays(
         cls, columns: Mapping[str, ArrayLike], *, place: str | int | None = None, name: str = "<python>"
     ) -> Self:
@@ -127,50 +119,11 @@ class Trace(Table):
         Quantities of pint are converted to the unit of their header, or have their own if it names none. ``place`` is
         the column of places, by default the first.
         """
-        return cls._of_columns(columns, keywords.asked(place=place or "1"), name)
-
-    @classmethod
-    def _of_columns(cls, columns: Mapping[str, ArrayLike], asked: Asked, name: str, unit: Any = None) -> Self:
-        return cls._of(measured(source_of(columns, name), asked, every=True), name, unit)
-
-    @classmethod
-    def _of(cls, found: Source, name: str, unit: Any) -> Self:
-        """Return a trace in working units; those of further columns that are unknown stay, and are noted."""
-        columns: dict[str, Doubles] = {}
-        units: dict[str, str] = {}
-        notes, alone = list(found.notes), len(found.used) == 1
-        if unit is not None and not alone:
-            raise Refused(f"unit=: {keywords.shown(unit)}: of which column? column= names it")
-        if unit is not None:
-            keywords.check_own_unit(found, unit)
-        for number in found.used if found.placed is None else (found.placed, *found.used):
-            head, values = found.heads[number], found.arrays[number]
-            if head.name in columns:
-                raise Refused(f"{found.where}: two columns are named {head.name}; column= takes one by its number")
-            if unit is not None and number != found.placed:
-                units[head.name], factor = _given_units(unit)
-            else:
-                what, own = f"{found.where}: {head.written}", alone or number == found.placed
-                units[head.name], factor = _in_working_units(head.unit, what, notes, own=own)
-            columns[head.name] = values if factor == 1.0 else factor * values
-        if alone and found.of_file:
-            notes += digits(found.values, found.head.unit)
-            notes += [f"{found.head.name}: {said}" for said in (clipped(found.values, found.place),) if said]
-        place = found.along if found.placed is None else found.heads[found.placed].name
-        if found.placed is None:
-            if place in columns:
-                raise Refused(f"{found.where}: the column {place} has no unit of its own; column= leaves it out")
-            columns = {place: found.step * np.arange(found.values.size, dtype=np.float64), **columns}
-            units[place] = "s" if place == "time" else "um"
-        return cls._made(name, place, found.step, columns, units, tuple(notes))
+        return cls(columns, place=place, name=name)
 
     @classmethod
     def _made(cls, *given: Any) -> Self:
-        """Return a trace of the values of its fields, in their order."""
-        made = object.__new__(cls)
-        for each, value in zip(fields(cls), given, strict=True):
-            object.__setattr__(made, each.name, MappingProxyType(value) if isinstance(value, dict) else value)
-        return made
+        return _fill(object.__new__(cls), *given)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return self._made, (self.name, self.place, self.step, dict(self.columns), dict(self.units), self.notes)
@@ -284,6 +237,53 @@ class Trace(Table):
     def _heading(self) -> str:
         heading = f"{self.name}: {len(self):,} rows, every {self.step:.6g} {self.units[self.place]}"
         return "\n  ".join([heading, *self.notes])
+
+
+def _fill(trace: Any, *given: Any) -> Any:
+    """Give values to all fields of a trace, in their order."""
+    for each, value in zip(fields(Trace), given, strict=True):
+        object.__setattr__(trace, each.name, MappingProxyType(value) if isinstance(value, dict) else value)
+    return trace
+
+
+def _of_array(values: Any, name: str, rate: Any, unit: Any) -> dict[str, Any]:
+    """Return an array and its times as columns by headers; raises Refused without a rate or a unit."""
+    often = keywords.quantity("rate", rate, FREQUENCY)
+    kept, own = with_unit(values, name, unit or "")
+    if often is None or (unit is None and not own):
+        raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
+    return {"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}
+
+
+def _traced(found: Source, name: str, unit: Any) -> tuple[Any, ...]:
+    """Return the fields of a trace in working units; units of further columns that are unknown stay, and are noted."""
+    columns: dict[str, Doubles] = {}
+    units: dict[str, str] = {}
+    notes, alone = list(found.notes), len(found.used) == 1
+    if unit is not None and not alone:
+        raise Refused(f"unit=: {keywords.shown(unit)}: of which column? column= names it")
+    if unit is not None:
+        keywords.check_own_unit(found, unit)
+    for number in found.used if found.placed is None else (found.placed, *found.used):
+        head, values = found.heads[number], found.arrays[number]
+        if head.name in columns:
+            raise Refused(f"{found.where}: two columns are named {head.name}; column= takes one by its number")
+        if unit is not None and number != found.placed:
+            units[head.name], factor = _given_units(unit)
+        else:
+            what, own = f"{found.where}: {head.written}", alone or number == found.placed
+            units[head.name], factor = _in_working_units(head.unit, what, notes, own=own)
+        columns[head.name] = values if factor == 1.0 else factor * values
+    if alone and found.of_file:
+        notes += digits(found.values, found.head.unit)
+        notes += [f"{found.head.name}: {said}" for said in (clipped(found.values, found.place),) if said]
+    place = found.along if found.placed is None else found.heads[found.placed].name
+    if found.placed is None:
+        if place in columns:
+            raise Refused(f"{found.where}: the column {place} has no unit of its own; column= leaves it out")
+        columns = {place: found.step * np.arange(found.values.size, dtype=np.float64), **columns}
+        units[place] = "s" if place == "time" else "um"
+    return name, place, found.step, columns, units, tuple(notes)
 
 
 def _refuse(source: str, **keys: Any) -> None:

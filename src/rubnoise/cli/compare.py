@@ -10,7 +10,7 @@ import typer
 from rubnoise.answer import Row, printable
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ResultFile
-from rubnoise.errors import Refused, RunOutside
+from rubnoise.errors import NotPassed, Refused
 
 if TYPE_CHECKING:
     from rubnoise.model import Model
@@ -49,7 +49,7 @@ def command(
         title = f"{file}: compared with the theory of its scenario"
         show(replace(found, title=title, rows=(*found.rows, *_white_noise(model))), as_json=as_json)
     if found.outside:
-        raise RunOutside(f"{printable(str(file))}: outside: {', '.join(found.outside)}")
+        raise NotPassed(f"{printable(str(file))}: outside: {', '.join(found.outside)}")
 
 
 def _white_noise(model: "Model") -> Iterator[Row]:

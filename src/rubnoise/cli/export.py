@@ -3,7 +3,7 @@
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -11,6 +11,9 @@ from rubnoise.answer import size
 from rubnoise.cli.layout import grouped
 from rubnoise.cli.options import ReplaceFiles, ResultFile
 from rubnoise.cli.signals import stoppable
+
+if TYPE_CHECKING:
+    from rubnoise.storage.export import Kind
 
 STANDARD_OUTPUT = Path("-")
 
@@ -63,11 +66,12 @@ def command(
         if force:
             raise typer.BadParameter("--force replaces files; standard output is not a file")
     with open_run(file) as run, stoppable() as between:
-        exports = plan(run, kind.value, group=group and group.value, output=output)  # type: ignore[arg-type]  # one of three
+        form = cast("Kind", kind.value)
+        files = plan(run, form, group and group.value, output)
         if printed:
-            print_csv(run, exports[0].groups[0], sys.stdout, between=between)
+            print_csv(run, files[STANDARD_OUTPUT][0], sys.stdout, between=between)
             return
-        export(run, exports, force=force, between=between)
-        for each in exports:
-            rows = ", ".join(f"{grouped(run.rows(name))} rows of {name}" for name in each.groups)
-            print(f"{each.path}: {rows}, {size(each.path.stat().st_size)}")
+        export(run, form, files, force=force, between=between)
+        for path, names in files.items():
+            rows = ", ".join(f"{grouped(run.rows(name))} rows of {name}" for name in names)
+            print(f"{path}: {rows}, {size(path.stat().st_size)}")

@@ -102,7 +102,7 @@ def command(
     told = {name: value for name, value in locals().items() if name not in OF_COMMAND}
     from rubnoise.api.inferred import answer_of
     from rubnoise.api.inferring import infer
-    from rubnoise.errors import Refused, TraceDoubtful
+    from rubnoise.errors import NotPassed, Refused
     from rubnoise.storage.output import check_output
 
     for path in (output, report):
@@ -122,9 +122,9 @@ def command(
     write_texts(texts, force=force)
     show(answer, as_json=as_json)
     if found.refused_because is not None:
-        raise TraceDoubtful(f"{printable(trace)}: refused: {found.refused_because}")
+        raise NotPassed(f"{printable(trace)}: refused: {found.refused_because}")
     if found.flags:
-        raise TraceDoubtful(f"{printable(trace)}: flagged: {'; '.join(found.flags)}")
+        raise NotPassed(f"{printable(trace)}: flagged: {'; '.join(found.flags)}")
 
 
 def _in_shell(answer: Answer) -> Answer:

@@ -9,7 +9,7 @@ from rubnoise.answer import printable
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ResultFile
 from rubnoise.cli.progress import bar, on_terminal, watching_reads
-from rubnoise.errors import RunDiffers
+from rubnoise.errors import NotPassed
 from rubnoise.regular_file import is_folder
 
 
@@ -54,4 +54,4 @@ def command(
     if found.different:
         places = [check.first for check in found.different if check.first is not None]
         first = next((place for place in places if place.row is not None), places[0])  # one with a row says most
-        raise RunDiffers(printable(f"{file}: differs: {first}{f'; {found.remark}' if found.remark else ''}"))
+        raise NotPassed(printable(f"{file}: differs: {first}{f'; {found.remark}' if found.remark else ''}"))

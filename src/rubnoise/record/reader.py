@@ -38,10 +38,6 @@ class Reader(Rows, Protocol):
         """The path of the file."""
 
     @property
-    def extent(self) -> Extent:
-        """The number of rows of each group."""
-
-    @property
     def attributes(self) -> Attributes:
         """Format, title, source and the formula of a junction's area."""
 

@@ -22,9 +22,11 @@ from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
 from rubnoise.storage.forecast import check_disk_space, expected
-from rubnoise.storage.layout import RunDescription, features_of, origin, this_command
+from rubnoise.storage.layout import RunDescription, environment, features_of, now, software, this_command
 from rubnoise.storage.output import check_output
+from rubnoise.storage.schema import INTERVENTION
 from rubnoise.storage.writer import RunWriter
+from rubnoise.streams import STREAM_VERSION
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False, kw_only=True)
@@ -71,26 +73,31 @@ def describe(
     intervene: Intervention | str | None = None,
     known: Extent | None = None,
 ) -> RunDescription:
-    """Return the description of a result; this counts its births, if its rows are not ``known``, and nothing else.
+    """Return the description of a result that begins now; this counts its births, if its rows are not ``known``.
 
     ``intervene`` is the function that may end lives, or its name.
     """
     model, seed = scenario.model(), scenario.run.seed
+    name = intervene if isinstance(intervene, str) else "" if intervene is None else name_of(intervene)
     return RunDescription(
         title=scenario.title or Path(path).stem,
         extent=known or extent(model, seed),
         features=features_of(model),
         compression="gzip" if scenario.output.compression == "gzip" else "none",
         pulse=model.pulse,
-        provenance=origin(
-            scenario.text,
-            scenario.resolved(),
-            seed=seed,
-            calibrated_diameter=model.calibrated_diameter,
-            propagator_constants=named_constants(model),
-            command=join(command),
-            intervention=intervene if isinstance(intervene, str) else "" if intervene is None else name_of(intervene),
-        ),
+        provenance={
+            "scenario_toml": scenario.text,
+            "scenario_resolved": json.dumps(scenario.resolved(), ensure_ascii=False),
+            "software": json.dumps(software()),
+            "environment": json.dumps(environment()),
+            "seed": seed,
+            "stream_version": STREAM_VERSION,
+            "calibrated_diameter": model.calibrated_diameter,
+            "propagator_constants": json.dumps(named_constants(model)),
+            "command": join(command),
+            **({INTERVENTION: name} if name else {}),
+            "started": now(),
+        },
     )
 
 

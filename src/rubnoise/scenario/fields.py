@@ -1,6 +1,6 @@
 """What a key may hold: a quantity, a number, a choice or a line of text, each read strictly; and tables of keys.
 
-Each type of value reads or refuses the value of a key, and describes it in the JSON schema.
+Each type of value reads or refuses the value of a key.
 """
 
 import re
@@ -42,15 +42,11 @@ class Range:
 
 
 class Field(ABC):
-    """A type of value: ``read`` converts the value of the file, ``describe`` returns its JSON schema."""
+    """A type of value: ``read`` converts the value of the file."""
 
     @abstractmethod
     def read(self, value: Any) -> Any:
         """Return the value, or raise Unfit."""
-
-    @abstractmethod
-    def describe(self) -> dict[str, Any]:
-        """Return the JSON schema of the value."""
 
     def of_python(self, value: Any) -> Any:
         """Return a value from Python, which may be of more types than one of a file."""
@@ -99,10 +95,6 @@ class Measure(Field):
         low, high = (quantity.kind.number(bound) for bound in (self.possible.low, self.possible.high))
         raise Unfit("too large" if quantity > self.possible.high else "too small", f"possible: {low} to {high}")
 
-    def describe(self) -> dict[str, Any]:
-        """Return a string with a pattern and examples."""
-        return {"type": "string", "pattern": rf"^\s*{NUMBER} *\S.*$", "examples": [kind.example for kind in self.kinds]}
-
 
 @dataclass(frozen=True, slots=True)
 class Number(Field):
@@ -130,11 +122,6 @@ class Number(Field):
             return "must be above 0"
         return "too large" if value > self.possible.high else "too small"
 
-    def describe(self) -> dict[str, Any]:
-        """Return a bounded number."""
-        bounds = {"minimum": self.possible.low, "maximum": self.possible.high}
-        return {"type": "integer" if self.whole else "number", **bounds}
-
 
 @dataclass(frozen=True, slots=True)
 class Choice(Field):
@@ -150,10 +137,6 @@ class Choice(Field):
         if not isinstance(value, str):
             raise Unfit(f"needs a word in quotation marks, not {_named(value)}", available)
         raise Unfit(f'unknown value "{value[:40]}"', did_you_mean(value, self.available, quoted=True) or available)
-
-    def describe(self) -> dict[str, Any]:
-        """Return the available words."""
-        return {"enum": list(self.available)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,10 +157,6 @@ class Line(Field):
         if value and not any(unicodedata.category(each)[0] in "LNPS" and each != _BLANK for each in value):
             raise Unfit("holds nothing that can be seen", "leave it out, or say what the run is about")
         return value
-
-    def describe(self) -> dict[str, Any]:
-        """Return a bounded string."""
-        return {"type": "string", "maxLength": TITLE_CHARACTERS}
 
 
 def did_you_mean(word: str, known: tuple[str, ...], *, quoted: bool = False) -> str:
@@ -221,7 +200,7 @@ MOST: Final = 2000
 """Values of a list at most: a result file keeps them all."""
 
 _POSSIBLE = Range(1e-12, 1e12)
-_LAWS = tuple(name for name, entry in LAWS.items() if not (entry.own_keys or entry.parameters))
+LAWS_OF_PARTS = tuple(name for name, entry in LAWS.items() if not (entry.own_keys or entry.parameters))
 _RATIO = Measure((RATIO,), possible=Range(1e-12, 1e12), plausible=Range(1e-12, 1e12))
 
 
@@ -242,10 +221,6 @@ class Sizes(Field):
             raise Unfit(f"needs a list of 1 to {MOST} {self.what}", "in brackets: [4.1, 5.3]")
         return tuple(_size(each) for each in value)
 
-    def describe(self) -> dict[str, Any]:
-        """Return a bounded array."""
-        return {"type": "array", "minItems": 1, "maxItems": MOST, "items": {"type": ["number", "string"]}}
-
 
 @dataclass(frozen=True, slots=True)
 class Parts(Field):
@@ -262,13 +237,6 @@ class Parts(Field):
             raise Unfit(f"needs a list of 1 to {MOST} tables", 'such as [{law = "fixed", mean = 4}]')
         return tuple(_part(number, each) for number, each in enumerate(value, 1))
 
-    def describe(self) -> dict[str, Any]:
-        """Return an array of tables."""
-        size = {"type": ["number", "string"]}
-        properties = {"law": {"enum": list(_LAWS)}, "mean": size, "spread": {"type": "string"}}
-        table = {"type": "object", "additionalProperties": False, "properties": properties}
-        return {"type": "array", "minItems": 1, "items": table | {"required": ["law", "mean"]}}
-
 
 def ratio_of(part: Mapping[str, Any]) -> float:
     """Return the standard deviation of a part over its mean; 0 without a spread."""
@@ -284,7 +252,7 @@ def _size(value: Any) -> float:
 def _part(number: int, value: Any) -> dict[str, Any]:
     if not isinstance(value, Mapping) or not {"law", "mean"} <= value.keys() <= {"law", "mean", "spread"}:
         raise Unfit(f"part {number} needs a law and a mean, and may have a spread", '{law = "fixed", mean = 4}')
-    law = Choice(_LAWS).read(value["law"])
+    law = Choice(LAWS_OF_PARTS).read(value["law"])
     if LAWS[law].takes_spread != ("spread" in value):
         raise Unfit(f'part {number}: the law "{law}" {"needs a" if LAWS[law].takes_spread else "takes no"} spread')
     spread = {"spread": _spread(number, law, value["spread"])} if "spread" in value else {}

@@ -8,12 +8,26 @@ from typing import Any, Final
 
 from rubnoise.scenario import layers
 from rubnoise.scenario.document import SECTIONS, TOP, Document, presence
-from rubnoise.scenario.fields import Choice, Key, Section, keys_of
+from rubnoise.scenario.fields import (
+    LAWS_OF_PARTS,
+    MOST,
+    TITLE_CHARACTERS,
+    Choice,
+    Field,
+    Key,
+    Measure,
+    Number,
+    Parts,
+    Section,
+    Sizes,
+    keys_of,
+)
 from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, GRID, LOSSES
 from rubnoise.scenario.shipped import by_name
 from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
 from rubnoise.scenario.sweep_table import known_keys
 from rubnoise.scenario.text import text_of, toml_value
+from rubnoise.units import NUMBER
 
 WIDTH: Final = 100
 HEADING: Final = """\
@@ -136,7 +150,25 @@ def _table(section: type[Section]) -> dict[str, Any]:
 
 def _properties(keys: Mapping[str, Key]) -> dict[str, Any]:
     defaults = {name: {} if about.default is None else {"default": about.default} for name, about in keys.items()}
-    return {name: defaults[name] | {"description": about.about} | about.kind.describe() for name, about in keys.items()}
+    return {name: defaults[name] | {"description": about.about} | _schema(about.kind) for name, about in keys.items()}
+
+
+def _schema(kind: Field) -> dict[str, Any]:
+    """Return what may stand for a key."""
+    size = {"type": ["number", "string"]}
+    if isinstance(kind, Measure):
+        return {"type": "string", "pattern": rf"^\s*{NUMBER} *\S.*$", "examples": [each.example for each in kind.kinds]}
+    if isinstance(kind, Number):
+        bounds = {"minimum": kind.possible.low, "maximum": kind.possible.high}
+        return {"type": "integer" if kind.whole else "number", **bounds}
+    if isinstance(kind, Choice):
+        return {"enum": list(kind.available)}
+    if isinstance(kind, Sizes):
+        return {"type": "array", "minItems": 1, "maxItems": MOST, "items": size}
+    if isinstance(kind, Parts):
+        part = _object_with({"law": {"enum": list(LAWS_OF_PARTS)}, "mean": size, "spread": {"type": "string"}})
+        return {"type": "array", "minItems": 1, "items": part | {"required": ["law", "mean"]}}
+    return {"type": "string", "maxLength": TITLE_CHARACTERS}
 
 
 def _sweep_table() -> dict[str, Any]:

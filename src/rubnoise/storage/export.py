@@ -1,7 +1,6 @@
 """Export of results as CSV, Parquet or netCDF: a group is a table, written chunk by chunk."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final, Literal, TextIO
 
@@ -110,17 +109,8 @@ def _write_parquet(part: PartFile, file: RunFile, groups: Sequence[Group], betwe
 WRITERS: Final = {"csv": _write_csv, "parquet": _write_parquet, "netcdf": _write_netcdf}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Export:
-    """A file to be written: its path, its format, and the groups of the run."""
-
-    path: Path
-    kind: Kind
-    groups: tuple[str, ...]
-
-
-def plan(file: RunFile, kind: Kind, *, group: str | None = None, output: Path | None = None) -> list[Export]:
-    """Return the files that an export writes: of one group or of all, to ``output`` or into the current folder.
+def plan(file: RunFile, kind: Kind, group: str | None = None, output: Path | None = None) -> dict[Path, Sequence[str]]:
+    """Return the files that an export writes, each with its groups, to ``output`` or into the current folder.
 
     Raises Refused for a group that the run does not have, and if ``output`` is given for several files.
     """
@@ -131,13 +121,15 @@ def plan(file: RunFile, kind: Kind, *, group: str | None = None, output: Path | 
     stem, ending = file.path.stem, ENDINGS[kind]
     if kind == "netcdf":
         name = f"{stem}{ending}" if group is None else f"{stem}_{group}{ending}"
-        return [Export(path=output or Path(name), kind=kind, groups=groups)]
+        return {output or Path(name): groups}
     if output is not None and len(groups) > 1:
         raise Refused(f"{output}: one {kind} file holds one group; say which with --group {'|'.join(there)}")
-    return [Export(path=output or Path(f"{stem}_{name}{ending}"), kind=kind, groups=(name,)) for name in groups]
+    return {output or Path(f"{stem}_{name}{ending}"): (name,) for name in groups}
 
 
-def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Callable[[], None]) -> None:
+def export(
+    file: RunFile, kind: Kind, files: Mapping[Path, Sequence[str]], *, force: bool, between: Callable[[], None]
+) -> None:
     """Write files from an open run; they get their names when all are complete. Memory does not grow with its length.
 
     ``between`` is called after each chunk of rows and may raise to stop. Raises, before anything is created, Refused
@@ -145,12 +137,12 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
     disk fails.
     """
     groups = {group.name: group for group in stored_groups(file.features)}
-    for each in exports:
-        check_output(each.path, force=force, reads=[file.path])
-    with whole_files([each.path for each in exports], force=force) as parts:
-        for part, each in zip(parts, exports, strict=True):
-            with naming_file(each.path):
-                WRITERS[each.kind](part, file, [groups[name] for name in each.groups], between)
+    for path in files:
+        check_output(path, force=force, reads=[file.path])
+    with whole_files([*files], force=force) as parts:
+        for part, (path, names) in zip(parts, files.items(), strict=True):
+            with naming_file(path):
+                WRITERS[kind](part, file, [groups[name] for name in names], between)
 
 
 def print_csv(file: RunFile, group: str, stream: TextIO, *, between: Callable[[], None]) -> None:

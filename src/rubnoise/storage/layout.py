@@ -1,6 +1,5 @@
 """What a result file holds: its columns, their rows and bytes, and where it comes from, without a person's name."""
 
-import json
 import os
 import platform
 import sys
@@ -18,8 +17,7 @@ from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
-from rubnoise.storage.schema import GROUPS, INTERVENTION, Feature, Group, Scalar
-from rubnoise.streams import STREAM_VERSION
+from rubnoise.storage.schema import GROUPS, Feature, Group, Scalar
 
 TIME = "%Y-%m-%dT%H:%M:%SZ"
 """How moments are written: in UTC, as ISO 8601, to the second."""
@@ -64,37 +62,6 @@ STRUCTURE_BYTES = 20 * 1024
 
 Name = tuple[str, str]
 """What a column is found by: its group and its own name."""
-
-
-def origin(
-    scenario_toml: str,
-    scenario_resolved: Mapping[str, object],
-    *,
-    seed: int,
-    calibrated_diameter: float,
-    propagator_constants: Mapping[str, float],
-    command: str,
-    intervention: str = "",
-) -> dict[str, Scalar]:
-    """Return the attributes of /provenance of a run that starts now in this process, without the time of its end.
-
-    calibrated_diameter in um; propagator_constants are the rounded constants of the slider's exact step, by name;
-    command: the command line without the path of the program, such as "rubnoise run fig5.toml"; intervention: the
-    function that may have ended lives, empty if the model alone did.
-    """
-    return {
-        "scenario_toml": scenario_toml,
-        "scenario_resolved": json.dumps(scenario_resolved, ensure_ascii=False),
-        "software": json.dumps(software()),
-        "environment": json.dumps(environment()),
-        "seed": seed,
-        "stream_version": STREAM_VERSION,
-        "calibrated_diameter": calibrated_diameter,
-        "propagator_constants": json.dumps(dict(propagator_constants)),
-        "command": command,
-        **({INTERVENTION: intervention} if intervention else {}),
-        "started": now(),
-    }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ is run again: its seed gives the same bits.
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
+from dataclasses import KW_ONLY, dataclass, field
 from tempfile import TemporaryFile
 from types import TracebackType
 from typing import Final, Self
@@ -29,6 +30,7 @@ SLACK_BYTES: Final = 1 << 16
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
 
 
+@dataclass(eq=False)
 class RunWriter:
     """Writes one run to ``path``: enter it, write every row, publish. Memory does not grow with the run.
 
@@ -39,24 +41,16 @@ class RunWriter:
     flushed it. Entering raises OutputRefused (see `part_file`; also for a full disk).
     """
 
-    def __init__(
-        self,
-        path: str | os.PathLike[str],
-        description: RunDescription,
-        *,
-        force: bool = False,
-        durable: bool = True,
-    ) -> None:
-        self._path = path
-        self._about = description
-        self._force = force
-        self._durable = durable
-        self._groups = stored_groups(description.features)
-        self._columns: dict[Name, _Column] = {}
+    path: str | os.PathLike[str]
+    about: RunDescription
+    _: KW_ONLY
+    force: bool = False
+    durable: bool = True
+    _columns: "dict[Name, _Column]" = field(default_factory=dict, init=False)
 
     def __enter__(self) -> Self:
         with ExitStack() as opening:
-            self._part = opening.enter_context(part_file(self._path, force=self._force))
+            self._part = opening.enter_context(part_file(self.path, force=self.force))
             try:
                 self._begin(opening)
             except OSError as problem:
@@ -82,28 +76,29 @@ class RunWriter:
         column lacks rows, if the disk fails, or if, without ``force``, another process created the file meanwhile.
         """
         with naming_file(self._part.final):
-            for group in self._groups:
+            for group in stored_groups(self.about.features):
                 self._check_rows(group)
             digests = {name: column.digest() for name, column in self._columns.items()}
             with hdf5_on(self._part.descriptor, "r+") as file:
                 for group in self._later:
                     columns = {about.name: self._columns[group.name, about.name] for about in group.columns}
-                    add_group(file, group, columns[group.columns[0].name].rows, self._about.compression)
+                    add_group(file, group, columns[group.columns[0].name].rows, self.about.compression)
                     for name, column in columns.items():
                         for first, values in column.pieces():
                             file[group.name][name][first : first + values.size] = values
                             between()
-                complete(file, self._about, digests, summary, now())
-            self._part.finish(durable=self._durable)
+                complete(file, self.about, digests, summary, now())
+            self._part.finish(durable=self.durable)
 
     def _begin(self, opening: ExitStack) -> None:
         """Make the file with its final structure and size, and the files for rows whose place is not known yet."""
         with hdf5_on(self._part.descriptor, "w") as file:
-            places = compose(file, self._about)
+            places = compose(file, self.about)
         self._part.reserve(os.fstat(self._part.descriptor).st_size + SLACK_BYTES)
-        self._later = [group for group in self._groups if (group.name, group.columns[0].name) not in places]
-        for group in self._groups:
-            rows = None if grows(group, self._about.extent) else row_count(group, self._about.extent)
+        groups = stored_groups(self.about.features)
+        self._later = [group for group in groups if (group.name, group.columns[0].name) not in places]
+        for group in groups:
+            rows = None if grows(group, self.about.extent) else row_count(group, self.about.extent)
             for column in group.columns:
                 name, dtype = (group.name, column.name), np.dtype(column.dtype)
                 descriptor, place = self._part.descriptor, places.get(name, 0)
@@ -112,7 +107,7 @@ class RunWriter:
                     descriptor = spool.fileno()
                     self._part.reserve((rows or 0) * dtype.itemsize, descriptor)
                 self._columns[name] = _Column(dtype, descriptor, place, rows)
-        for table, columns in life_tables(self._about.pulse).items():
+        for table, columns in life_tables(self.about.pulse).items():
             for each, values in columns.items():
                 if (table, each) in self._columns:
                     self._columns[table, each].write(0, values)
@@ -128,49 +123,48 @@ class RunWriter:
                 )
 
 
+@dataclass(slots=True)
 class _Column:
-    """One column at its place in an open file, hashed as its rows come."""
+    """One column at its place in an open file, hashed as its rows come; ``most``: of how many, None if it grows."""
 
-    def __init__(self, dtype: np.dtype[np.generic], descriptor: int, place: int, most: int | None) -> None:
-        self.most = most
-        """Number of rows for which there is space; None if it grows."""
-        self.rows = 0
-        self._dtype = dtype
-        self._descriptor = descriptor
-        self._place = place
-        self._hash: xxhash.xxh3_128 | None = xxhash.xxh3_128()
+    dtype: np.dtype[np.generic]
+    descriptor: int
+    place: int
+    most: int | None
+    rows: int = 0
+    hash: xxhash.xxh3_128 | None = field(default_factory=xxhash.xxh3_128)
 
     def write(self, first_row: int, values: NDArray[np.generic]) -> None:
         """Write rows that follow those written before, or replace some of them.
 
         Raises TypeError for another dtype than the schema's, ValueError for rows that leave a gap or do not fit.
         """
-        if values.dtype != self._dtype or values.ndim != 1:
-            raise TypeError(f"rows of {values.dtype} in {values.ndim} dimensions for a column of {self._dtype}")
+        if values.dtype != self.dtype or values.ndim != 1:
+            raise TypeError(f"rows of {values.dtype} in {values.ndim} dimensions for a column of {self.dtype}")
         end = first_row + values.size
         if not 0 <= first_row <= self.rows or (self.most is not None and end > self.most):
             raise ValueError(f"rows {first_row} to {end} of {self.most}, after {self.rows}")
         data = np.ascontiguousarray(values).view(np.uint8).data
         if first_row < self.rows:
-            self._hash = None  # that of the rows before does not count any more
-        elif self._hash is not None:
-            self._hash.update(data)
-        write_all(self._descriptor, data, self._place + first_row * self._dtype.itemsize)
+            self.hash = None  # that of the rows before does not count any more
+        elif self.hash is not None:
+            self.hash.update(data)
+        write_all(self.descriptor, data, self.place + first_row * self.dtype.itemsize)
         self.rows = max(self.rows, end)
 
     def digest(self) -> str:
         """Return the xxh3_128 of all rows in hexadecimal; a column of which rows were replaced is read once more."""
-        if self._hash is None:
-            self._hash = xxhash.xxh3_128()
+        if self.hash is None:
+            self.hash = xxhash.xxh3_128()
             for _, values in self.pieces():
-                self._hash.update(values.data)
-        return str(self._hash.hexdigest())
+                self.hash.update(values.data)
+        return str(self.hash.hexdigest())
 
     def pieces(self) -> Iterator[tuple[int, NDArray[np.generic]]]:
         """Yield first row and values of one piece of the column after the other, read back."""
         for part in slices(0, self.rows, CHUNK_ROWS):
-            values = np.empty(part.stop - part.start, dtype=self._dtype)
-            place = self._place + part.start * self._dtype.itemsize
-            if read_into(self._descriptor, values.view(np.uint8).data, place) != values.nbytes:
+            values = np.empty(part.stop - part.start, dtype=self.dtype)
+            place = self.place + part.start * self.dtype.itemsize
+            if read_into(self.descriptor, values.view(np.uint8).data, place) != values.nbytes:
                 raise RubnoiseError("a file of the run was cut short meanwhile")
             yield part.start, values
