@@ -90,10 +90,6 @@ class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no
         return "stopped by a signal; nothing was kept, and the same command begins again"
 
 
-UNFINISHED: Final = "is a part of a run that did not end; the same command makes the run again"
-"""What is wrong with a file that a killed run has left."""
-
-
 _CALL: Final = re.compile(r"\brubnoise\.([a-z]+)\(\.\.\., ([^()]*)\)")
 _KEYWORD: Final = re.compile(
     r"""(?<![\w.=/\\'"-])([a-z]+(?:_[a-z]+)*_?)=     # speed=, and no part of the name of a file

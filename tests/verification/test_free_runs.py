@@ -237,7 +237,7 @@ def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) 
     column, by, seen = FAULTS[fault]
     with rubnoise.open(result) as file:
         assert "encounter" in file.junctions
-        assert "slider" not in file.groups_by_name()
+        assert "slider" not in file.groups()
         assert file.compare().outside == ()
         assert file.verify().different == []
     change(result, column, by)

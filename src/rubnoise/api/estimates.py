@@ -183,7 +183,7 @@ def _length(segment: Any, place_units: str) -> float:
 
 def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum:
     """Return the spectrum of a column of a run, with the exact one if theory knows it (see Run.psd)."""
-    groups, model = run.groups_by_name(), run.model()
+    groups, model = run.groups(), run.model()
     quantity = SHORT.get(quantity, quantity)
     slider = "slider" in groups and quantity in groups["slider"] and quantity not in ("time", "distance")
     group = groups["slider" if slider else "trace"]

@@ -25,7 +25,7 @@ def given_columns(source: Any, *, sampled: bool = False) -> dict[str, Any] | Non
     group of columns of a run or one of its columns, or a run, which means its trace.
     ``sampled``: the caller says how often samples were taken, so that a column of a run is an array like any other.
     """
-    if hasattr(source, "groups_by_name"):
+    if hasattr(source, "provenance"):
         source = source.trace
     if isinstance(source, Column):
         return None if sampled or source.about is None else _of_column(source)

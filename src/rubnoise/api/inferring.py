@@ -129,7 +129,7 @@ def _measured(trace: Any, asked: Asked) -> Source:
     if all(hasattr(trace, name) for name in ("columns", "units", "place", "step")):
         return measured(_of_trace(trace), asked)
     if (columns := given_columns(trace, sampled=asked.rate is not None)) is not None:
-        return _of_columns(columns, asked, ours=hasattr(trace, "groups_by_name"))
+        return _of_columns(columns, asked, ours=hasattr(trace, "provenance"))
     if asked.column is not None:
         raise Refused(f"column=: {keywords.shown(asked.column)}: an array has one column; leave column= out")
     values, unit = with_unit(trace, "trace", "")

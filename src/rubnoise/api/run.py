@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 
 from rubnoise.analysis.scores import from_attributes
+from rubnoise.answer import Answer, Row
 from rubnoise.api.column_group import (
     GROUP_HEADS,
     Columns,
@@ -28,7 +29,6 @@ from rubnoise.api.column_group import (
 from rubnoise.api.columns import with_units
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import shown
-from rubnoise.api.summary import Summary
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Attributes, Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
@@ -52,10 +52,31 @@ if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
     from rubnoise.theory.exact import Exact
 
-INSIDE: Final = frozenset({"reader", "groups_by_name"})
-"""Names of a run that no user needs."""
-
 GROUP_NAMES: Final = frozenset(group.name for group in schema.GROUPS)
+
+
+class Summary(list[Row]):
+    """The figures in the order of the file: ``run.summary[0].z``.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     first = run.summary[0]
+    >>> first.name, first.z is not None and abs(first.z) < 4.0
+    ('real_contact_area_mean', True)
+    """
+
+    def _answer(self) -> Answer:
+        return Answer(title="measured figures", rows=tuple(self))
+
+    def __repr__(self) -> str:
+        return repr(self._answer())
+
+    def _repr_html_(self) -> str:
+        return self._answer()._repr_html_()
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """Return the figures as a pandas DataFrame whose index is their name; raises ExtraMissing without pandas."""
+        return self._answer().to_pandas().set_index("name")
 
 
 class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
@@ -129,10 +150,6 @@ class Run:
         """Return every group of columns by name."""
         return dict(self._groups)
 
-    def groups_by_name(self) -> Mapping[str, Columns]:
-        """Return every group of columns by name, for a run in a file and in memory alike."""
-        return self._groups
-
     def reader(self) -> Reader:
         """Return the rows and attributes of the run."""
         return self._reader
@@ -161,7 +178,7 @@ class Run:
 
     def __dir__(self) -> list[str]:
         """Return the names that an editor completes, also of groups and columns, without methods for internal use."""
-        return sorted((set(super().__dir__()) - INSIDE) | set(self.names))
+        return sorted((set(super().__dir__()) - {"reader"}) | set(self.names))
 
     def __getattr__(self, name: str) -> Any:
         """Return a group, or a column that needs no group."""

@@ -66,9 +66,12 @@ class Record(Run):
         ...     run.provenance["seed"]
         7
         """
-        from rubnoise.runs.making import save
-
-        save(self._reader, path, force=force)
+        check_output(path, force=force)
+        check_disk_space(self.scenario, expected(self.scenario), path)
+        description = describe(self.scenario, path, this_command(), self._reader.intervention)
+        with RunWriter(path, description, force=force) as writer:
+            self._reader.play_into(writer)
+            writer.publish(self._reader.summary)
         return Run(open_run(path))
 
     @contextmanager

@@ -21,9 +21,7 @@ from rubnoise.simulation.linear import named_constants
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
-from rubnoise.storage.forecast import check_disk_space, expected
-from rubnoise.storage.layout import RunDescription, environment, features_of, now, software, this_command
-from rubnoise.storage.output import check_output
+from rubnoise.storage.layout import RunDescription, environment, features_of, now, software
 from rubnoise.storage.schema import INTERVENTION
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
@@ -134,12 +132,3 @@ def play(
     between()  # theory may take seconds, in which someone may have asked to stop
     writer.publish(figures, between=between)
     return figures
-
-
-def save(run: KeptRun, path: str | os.PathLike[str], *, force: bool = False) -> None:
-    """Write a run from memory into a result file (see Record.save)."""
-    check_output(path, force=force)
-    check_disk_space(run.scenario, expected(run.scenario), path)
-    with RunWriter(path, describe(run.scenario, path, this_command(), run.intervention), force=force) as writer:
-        run.play_into(writer)
-        writer.publish(run.summary)

@@ -22,7 +22,7 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
 from rubnoise.record.reader import Reader, Rows, column_chunks
 from rubnoise.record.rows import JunctionState
-from rubnoise.record.sink import Columns, Tee
+from rubnoise.record.sink import Columns, Extent, Tee
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.runs.making import describe
 from rubnoise.scenario import Scenario
@@ -91,15 +91,11 @@ class Check:
     def equal(self, place: str, first_row: int, found: NDArray[Any], expected: NDArray[Any]) -> None:
         """Compare rows of a column bit for bit: -0 differs from 0, and nan equals nan."""
         right = expected.astype(found.dtype, copy=False)
-        self.note(place, first_row, found, _bits(found) == _bits(right), lambda row: repr(right[row].item()))
-
-    def note(self, place: str, first_row: int, found: NDArray[Any], right: NDArray[np.bool_], expected: Any) -> None:
-        """Count rows of a column and the wrong ones; ``expected`` returns what a row should be, as text."""
+        wrong = np.flatnonzero(_bits(found) != _bits(right))
         self.values += found.size
-        if not right.all():
-            row = int(np.argmin(right))
-            wrong = int(right.size - np.count_nonzero(right))
-            self.differ(Difference(place, repr(found[row].item()), expected(row), first_row + row), wrong)
+        if wrong.size:
+            one, other = (repr(each[wrong[0]].item()) for each in (found, right))
+            self.differ(Difference(place, one, other, first_row + int(wrong[0])), wrong.size)
 
     def say(self, place: str, *, found: object, expected: object) -> None:
         """Compare one value without a row; long texts are shown from a little before the place where they differ."""
@@ -216,7 +212,14 @@ def _check_hashes(check: Check, run: RunFile) -> list[str]:
 def _check_description(structure: Check, attributes: Check, scenario: Scenario, run: RunFile) -> None:
     """Compare objects, attributes and types with those of a file that is composed from the scenario."""
     model = scenario.model()
-    extent = replace(run.extent, ticks=model.tick_count + 1, slider=model.slider_rows or run.extent.slider)
+    rows = {group: run.rows(group) or None for group in run.columns}
+    extent = Extent(
+        junctions=rows["junctions"],
+        ticks=model.tick_count + 1,
+        slider=model.slider_rows or rows.get("slider", 0),
+        landmarks=rows.get("landmarks", 0),
+        load=rows.get("load") or 0,
+    )
     right = describe(scenario, run.path, (), str(run.provenance.get(INTERVENTION, "")), extent)
     right = right if scenario.title else replace(right, title=str(run.attributes["title"]))
     found, expected = run.inventory(), expected_inventory(right)

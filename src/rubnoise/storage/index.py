@@ -37,11 +37,6 @@ TEXTS: Final = (
 )
 """The attributes of an index that are not the same in all of them."""
 
-_NEEDED: Final = (
-    (POINTS, "values"),
-    *((RUNS, name) for name in ("run_id", "point", "replicate", "seed", "file", "state", "reason")),
-)
-
 REMEDY: Final = "the same `rubnoise sweep` writes it again"
 
 
@@ -116,9 +111,6 @@ def _read(file: h5py.File) -> Index:
     if not h5py.h5a.exists(file.id, HASH.encode()) or read_attribute(file, HASH, str) != _seal(file):
         raise RunFileRefused(f"damaged: is not as it was written; {REMEDY}")
     columns = _columns(file)
-    for group, name in _NEEDED:
-        if name not in columns[group]:
-            raise RunFileRefused(f"damaged: /{group}/{name} is missing; {REMEDY}")
     return Index(
         texts={name: read_attribute(file, name, str) for name in TEXTS},
         points={name: _filled(name, dataset) for name, dataset in columns[POINTS].items()},

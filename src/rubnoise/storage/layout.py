@@ -119,18 +119,6 @@ def grows(group: Group, extent: Extent) -> bool:
     return bool(group.grows) and extent.rows(group.name) is None
 
 
-def stored_extent(rows: Mapping[str, int], features: frozenset[Feature]) -> Extent:
-    """Return how many rows the groups of a file have; a growing group has none before its run has ended."""
-    growing = {group.name for group in GROUPS if not features.isdisjoint(group.grows) and rows.get(group.name) == 0}
-    return Extent(
-        junctions=None if "junctions" in growing else rows["junctions"],
-        ticks=rows["trace"],
-        slider=None if "slider" in growing else rows.get("slider", 0),
-        landmarks=None if "landmarks" in growing else rows.get("landmarks", 0),
-        load=rows.get("load", 0),
-    )
-
-
 def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:
     """Return the size of an uncompressed result file within a few kilobytes, without its scenario."""
     return STRUCTURE_BYTES + sum(

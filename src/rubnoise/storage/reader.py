@@ -19,10 +19,10 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
-from rubnoise.errors import UNFINISHED, RunFileRefused
+from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import column_chunks
 from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
-from rubnoise.storage.layout import Name, row_count, stored_extent, stored_groups
+from rubnoise.storage.layout import Name, stored_groups
 from rubnoise.storage.objects import (
     MOST_ATTRIBUTES,
     REMEDY,
@@ -41,7 +41,6 @@ from rubnoise.storage.objects import (
 from rubnoise.storage.schema import (
     FORMAT,
     FORMAT_VERSION,
-    GROUPS,
     HASH,
     INDEX_FORMAT,
     INTERVENTION,
@@ -89,7 +88,7 @@ class RunFile:
         _check_version(file)
         self.provenance = read_provenance(file)
         if not self.provenance["finished"]:
-            raise RunFileRefused(UNFINISHED)
+            raise RunFileRefused("is a part of a run that did not end; the same command makes the run again")
         self.attributes, self.summary = read_attributes(file, ROOT), read_summary(file)
         self.seal = _hash_in(file["provenance"])
         self.features = _features(file)
@@ -101,11 +100,8 @@ class RunFile:
             for column in group.columns:
                 dataset, self._columns[group.name][column.name] = sound_dataset(owner, column, size)
                 self._digests[group.name, column.name] = _hash_in(dataset)
-        self.extent = stored_extent({group: self.rows(group) for group in self._columns}, self.features)
-        for group in GROUPS:
-            for name, place in self._columns.get(group.name, {}).items():
-                if place.rows != row_count(group, self.extent):
-                    raise RunFileRefused(f"/{group.name}/{name} has another number of rows than its group")
+                if self._columns[group.name][column.name].rows != self.rows(group.name):
+                    raise RunFileRefused(f"/{group.name}/{column.name} has another number of rows than its group")
         self._close = finalize(self, os.close, descriptor)
 
     def __enter__(self) -> Self:
