@@ -114,13 +114,9 @@ class Number(Field):
         if value not in self.possible:
             low, high = self.possible.low, self.possible.high
             bounds = f"{low} to {high}" if self.whole else f"{low:g} to {high:g}"
-            raise Unfit(self._out_of_range(value), f"possible: {bounds}")
+            wrong = "must be above 0" if value <= 0 < low else "too large" if value > high else "too small"
+            raise Unfit(wrong, f"possible: {bounds}")
         return value if self.whole else float(value)
-
-    def _out_of_range(self, value: float) -> str:
-        if value <= 0 < self.possible.low:
-            return "must be above 0"
-        return "too large" if value > self.possible.high else "too small"
 
 
 @dataclass(frozen=True, slots=True)

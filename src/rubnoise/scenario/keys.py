@@ -274,7 +274,11 @@ def _weighing_problems(layers: Layers) -> Iterator[Problem]:
     """Refuse keys that contradict a load that weighs."""
     for (table, key), needed in CONTACT.items():
         value = _value(layers, str(table), str(key))
-        if not (_is_rayleigh(value) if key == "spread" else value in {needed, None}):
+        right = value in {needed, None}
+        if key == "spread":
+            ratio = isinstance(value, Quantity) and value.kind == RATIO
+            right = ratio and abs(100.0 * float(value) / RAYLEIGH - 1.0) <= _CLOSE
+        if not right:
             what = f"Rayleigh sizes ({needed})" if key == "spread" else f"{table}.{key} {needed}"
             hint = f'{key} = "{needed}", or leave it out: it is set'
             yield layers.problem((table, key), f"the theory of [load] is for {what}", hint)
@@ -284,11 +288,6 @@ def _weighing_problems(layers: Layers) -> Iterator[Problem]:
     if _value(layers, "slider", "coupling") == "two-way":
         message = "two-way coupling is known at constant separation alone, not with a table [load]"
         yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
-
-
-def _is_rayleigh(spread: Any) -> bool:
-    ratio = isinstance(spread, Quantity) and spread.kind == RATIO
-    return ratio and abs(100.0 * float(spread) / RAYLEIGH - 1.0) <= _CLOSE
 
 
 def _offset_problems(layers: Layers) -> Iterator[Problem]:

@@ -84,13 +84,9 @@ def from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
 
 def from_values(values: Mapping[str, Any], name: str) -> Layers:
     """Return the one layer of values given in Python."""
-    source = _values(values, name)
-    return Layers(main=source, sources=(source,), data=dict(source.data))
-
-
-def _values(values: Mapping[str, Any], name: str) -> Source:
-    nowhere = Place(source=name, line=0, text="", start=0, end=0)
-    return Source(name=name, kind="values", data=plain(values), places={(): (nowhere, nowhere)})
+    nowhere, data = Place(source=name, line=0, text="", start=0, end=0), plain(values)
+    source = Source(name=name, kind="values", data=data, places={(): (nowhere, nowhere)})
+    return Layers(main=source, sources=(source,), data=dict(data))
 
 
 def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[str]) -> Layers:

@@ -237,7 +237,12 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
     interface, sliding, strength = document.interface, document.sliding, document.strength
     pulse = pulse_of(document.pulse.shape, document.pulse.offset)
     area, count = area_and_count(document)
-    free = document.load is not None and document.load.motion == "free"
+    held = _separation(document.load, interface) if document.load else None
+    free = None
+    if held is not None and document.load is not None and document.load.motion == "free":
+        growth = document.load.impact_damping
+        loss = None if growth is None else float(growth)
+        free = FreeSeparation(held=held, restitution=document.load.restitution, impact_damping=loss)
     births = BIRTHS[document.birth.law]
     own = {each.name: float(getattr(document.birth, each.name)) for each in births.parameters}
     return Model(
@@ -256,8 +261,8 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         tick_count=sliding.distance.exact // tick.exact,  # as written: floats would lose the last tick now and then
         pulse=pulse,
         hardness=None if interface.hardness is None else float(interface.hardness),
-        separation=_separation(document.load, interface) if document.load and not free else None,
-        free=_free(document.load, interface) if document.load and free else None,
+        separation=held if free is None else None,
+        free=free,
     )
 
 
@@ -267,15 +272,6 @@ def _separation(load: sections.Load, interface: sections.Interface) -> Separatio
     critical = 2.0 * sqrt(weight / height * mass)
     damping = float(load.damping or 0.0) if load.damping_ratio is None else load.damping_ratio * critical
     return Separation(load=weight, hardness=hardness, height_scale=height, mass=mass, damping=damping)
-
-
-def _free(load: sections.Load, interface: sections.Interface) -> FreeSeparation:
-    growth = load.impact_damping
-    return FreeSeparation(
-        held=_separation(load, interface),
-        restitution=load.restitution,
-        impact_damping=None if growth is None else float(growth),
-    )
 
 
 def _slider(slider: sections.Slider, diameter: float) -> Slider:

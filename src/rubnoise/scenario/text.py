@@ -210,7 +210,8 @@ class _Lines:
         last = max((number for number, line in enumerate(lines, 1) if line.strip()), default=1)
         line, column = (int(at["line"] or last), int(at["column"] or 1)) if at else (last, 1)
         line, why = min(line, last), at["why"] if at else error
-        path, text = self._last_named(line), lines[line - 1]
+        path = next((path for path, key, _ in reversed(self._named) if key.line <= line), ())
+        text = lines[line - 1]
         if why.startswith(_TWICE):
             first = self.places[path][0].line
             hint = f"first given in line {first}; keep one of the two" if first < line else "keep one"
@@ -234,9 +235,6 @@ class _Lines:
             for end in range(1, len(path) + 1):
                 found.setdefault(path[:end], (key, value))
         return found
-
-    def _last_named(self, line: int) -> Path:
-        return next((path for path, key, _ in reversed(self._named) if key.line <= line), ())
 
     @cached_property
     def _named(self) -> list[tuple[Path, Place, Place]]:
