@@ -7,7 +7,7 @@ from dataclasses import replace
 from operator import index
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from rubnoise.api.column_group import Columns
 from rubnoise.api.run import Run
@@ -24,15 +24,11 @@ from rubnoise.simulation.state import Watch
 from rubnoise.storage.forecast import check_disk_space, check_memory, expected
 from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import check_output
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import SEED_LIMIT
 from rubnoise.theory.exact import Exact
 from rubnoise.theory.exact import exact as exact_of_model
-
-if TYPE_CHECKING:
-    from rubnoise.runs.making import KeptRun
-    from rubnoise.storage.reader import RunFile
 
 
 class Record(Run):

@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
-from rubnoise.api import keywords
-from rubnoise.api.keywords import shown
+from rubnoise.api.keywords import LARGEST, SMALLEST, shown
 from rubnoise.errors import NoColumn, Refused, ScenarioRefused, refusing_files
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario
@@ -107,12 +106,12 @@ def sizes_of(path: str, column: str | None) -> Sequence[float]:
     from rubnoise.storage.measured import check_values, column_of
 
     with refusing_files(path):
-        if is_hdf5(path) and not column:
+        inside = is_hdf5(path)
+        if inside and not column:
             raise NoColumn(f'{path}: which dataset? column = "/junctions/diameter" names one')
-        source = opened(f"{path}:{column}" if is_hdf5(path) else path)
-        number = 0
-        if not is_hdf5(path) and (column is not None or len(source.heads) > 1):
-            number = column_of(source, column or "", "column")
+        source = opened(f"{path}:{column}" if inside else path)
+    several = not inside and (column is not None or len(source.heads) > 1)
+    number = column_of(source, column or "", "column") if several else 0
     head, values = source.heads[number], source.arrays[number]
     check_unit(head.unit, f"{source.where}: {head.name}")
     if head.unit and unit_or_one(head.unit).dimension != LENGTH.dimension:
@@ -120,11 +119,10 @@ def sizes_of(path: str, column: str | None) -> Sequence[float]:
     if values.size > MOST:
         raise Refused(f"{path}: has more than {MOST:,} values, which a result keeps at most; take fewer of it")
     check_values(source, number)
-    wrong = (values * head.size < keywords.SMALLEST) | (values * head.size > keywords.LARGEST)
+    wrong = (values * head.size < SMALLEST) | (values * head.size > LARGEST)
     if wrong.any():
         row = int(wrong.argmax())
-        possible = f"possible: {keywords.SMALLEST:g} to {keywords.LARGEST:g} um"
-        why = "must be above 0" if values[row] <= 0.0 else possible
+        why = "must be above 0" if values[row] <= 0.0 else f"possible: {SMALLEST:g} to {LARGEST:g} um"
         raise Refused(f"{path}: {source.place(row)}: {head.name} is {values[row]:g}; {why}")
     return tuple((values * head.size).tolist())
 

@@ -109,14 +109,14 @@ class Surface:
         cut-offs at least. Raises Refused for a surface that cannot be.
         """
         side, step = keywords.count("points", points, 1 << 20), _needed("spacing", spacing, LENGTH)
-        shortest = _length("cutoff", cutoff) or 5.0 * step
+        shortest = keywords.quantity("cutoff", cutoff, LENGTH) or 5.0 * step
         return cls(
             self_affine(
                 points=side,
                 spacing=step,
                 roughness=_needed("roughness", roughness, LENGTH),
                 hurst=float(hurst),
-                rolloff=_length("rolloff", rolloff) or max(side * step / 16.0, 2.0 * shortest),
+                rolloff=keywords.quantity("rolloff", rolloff, LENGTH) or max(side * step / 16.0, 2.0 * shortest),
                 cutoff=shortest,
                 seed=keywords.count("seed", seed, 2**53 - 1),
             )
@@ -133,7 +133,7 @@ class Surface:
         Sq is the rms height, Sa the mean distance from the mean, Ssk and Sku the third and fourth moments over Sq^3 and
         Sq^4 (ISO 25178-2), nan of a flat map. Slopes are those of the waves, sqrt(sum S (2 pi f)^2).
         """
-        limits = (_length("cutoff", cutoff), _length("longest", longest))
+        limits = (keywords.quantity("cutoff", cutoff, LENGTH), keywords.quantity("longest", longest, LENGTH))
         if limits[0] is None and limits[1] is not None:
             raise Refused(f"longest=: {keywords.shown(longest)}: needs a cutoff= beside it")
         surface = self.map if limits[0] is None else band_limited(self.map, limits[0], limits[1])
@@ -173,8 +173,8 @@ class Surface:
             load=_needed("load", load, FORCE),
             hardness=_needed("hardness", hardness, STRESS),
             cutoff=_needed("cutoff", cutoff, LENGTH),
-            longest=_length("longest", longest),
-            slider_length=_length("slider_length", slider_length) or other.size[0],
+            longest=keywords.quantity("longest", longest, LENGTH),
+            slider_length=keywords.quantity("slider_length", slider_length, LENGTH) or other.size[0],
         )
 
     def count_over_cutoff(
@@ -187,7 +187,7 @@ class Surface:
             load=share * other.area,
             hardness=1.0,
             cutoff=2.0 * max(*self.map.spacing, *other.spacing),
-            longest=_length("longest", longest),
+            longest=keywords.quantity("longest", longest, LENGTH),
             slider_length=other.size[0],
         ).count_over_cutoff()
 
@@ -217,10 +217,6 @@ def _two_lengths(keyword: str, value: Any) -> tuple[float, float]:
     if len(both) not in (1, 2):
         raise Refused(f"{keyword}=: {keywords.shown(value)} is neither one length nor two")
     return _needed(keyword, both[0], LENGTH), _needed(keyword, both[-1], LENGTH)
-
-
-def _length(keyword: str, value: Any) -> Any:
-    return keywords.quantity(keyword, value, LENGTH)
 
 
 def _needed(keyword: str, value: Any, kind: Any) -> float:

@@ -3,7 +3,7 @@
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import Annotated
 
 import typer
 
@@ -11,9 +11,6 @@ from rubnoise.answer import size
 from rubnoise.cli.layout import grouped
 from rubnoise.cli.options import ReplaceFiles, ResultFile
 from rubnoise.cli.signals import stoppable
-
-if TYPE_CHECKING:
-    from rubnoise.storage.export import Kind
 
 STANDARD_OUTPUT = Path("-")
 
@@ -66,12 +63,11 @@ def command(
         if force:
             raise typer.BadParameter("--force replaces files; standard output is not a file")
     with open_run(file) as run, stoppable() as between:
-        form = cast("Kind", kind.value)
-        files = plan(run, form, group and group.value, output)
+        files = plan(run, kind.value, group and group.value, output)  # type: ignore[arg-type]  # one of three
         if printed:
             print_csv(run, files[STANDARD_OUTPUT][0], sys.stdout, between=between)
             return
-        export(run, form, files, force=force, between=between)
+        export(run, kind.value, files, force=force, between=between)  # type: ignore[arg-type]
         for path, names in files.items():
             rows = ", ".join(f"{grouped(run.rows(name))} rows of {name}" for name in names)
             print(f"{path}: {rows}, {size(path.stat().st_size)}")
