@@ -258,14 +258,6 @@ def names_alone(groups: Mapping[str, Columns]) -> set[str]:
     return {name for name in names if column_alone(groups, name) is not None}
 
 
-GROUP_HEADS: Final = ("group", "rows", "columns")
-
-
 def group_rows(groups: Mapping[str, Columns]) -> list[tuple[str, str, str]]:
     """Return name, number of rows and columns of each group, as texts."""
     return [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in groups.items()]
-
-
-def listed(groups: Mapping[str, Columns]) -> list[str]:
-    """Return the groups as lines of a text."""
-    return [f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in group_rows(groups)]

@@ -10,19 +10,17 @@ from math import inf
 from numbers import Integral, Real
 from operator import index
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from rubnoise.analysis.scores import from_attributes
 from rubnoise.answer import Answer, Row
 from rubnoise.api.column_group import (
-    GROUP_HEADS,
     Columns,
     column_alone,
     columns_by_group,
     group_rows,
-    listed,
     names_alone,
     no_column,
 )
@@ -51,8 +49,6 @@ if TYPE_CHECKING:
     from rubnoise.runs.verification import Verification
     from rubnoise.scenario import Scenario
     from rubnoise.theory.exact import Exact
-
-GROUP_NAMES: Final = frozenset(group.name for group in schema.GROUPS)
 
 
 class Summary(list[Row]):
@@ -187,7 +183,7 @@ class Run:
         groups = self._groups
         if name in groups:
             return groups[name]
-        if name in GROUP_NAMES:
+        if any(name == group.name for group in schema.GROUPS):
             raise NoGroup(f"the run has no {name}; it has {', '.join(groups)}", name=name, obj=self)
         found = column_alone(groups, name)
         if found is None and name == "time" and (duration := self.model().tick_duration):
@@ -337,11 +333,12 @@ class Run:
 
     def __repr__(self) -> str:
         heading, groups = self._heading_and_groups()
-        return shortened([heading, *listed(groups)])
+        lines = (f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in group_rows(groups))
+        return shortened([heading, *lines])
 
     def _repr_html_(self) -> str:
         heading, groups = self._heading_and_groups()
-        return as_html(heading, GROUP_HEADS if groups else (), group_rows(groups))
+        return as_html(heading, ("group", "rows", "columns") if groups else (), group_rows(groups))
 
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
         """Return the result as an xarray DataTree: ``run.to_xarray()["trace"]``, and so for every group.
