@@ -1,5 +1,6 @@
 """Result files of every kind and of given lives, and values changed behind the back of their hashes."""
 
+import json
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -125,7 +126,8 @@ DEPARTURE = np.array([np.inf, np.inf, np.inf, 8.0, 12.0, 11.0, np.inf, np.inf])
 def lives_file(path: Path, features: frozenset[Feature] = EVERY_FEATURE, compression: Any = "none") -> RunFile:
     """Write the file and open it; the caller closes it."""
     description = describe(BIRTH.size, 5, features=features, compression=compression)
-    description = replace(description, scenario_resolved={"sliding": {"distance": f"{RECORD_END} um"}})
+    resolved = json.dumps({"sliding": {"distance": f"{RECORD_END} um"}})
+    description = replace(description, provenance={**description.provenance, "scenario_resolved": resolved})
     rows: dict[str, Mapping[str, NDArray[Any]]] = dict(random_rows(description))
     contact = model(
         slider=None,
