@@ -52,7 +52,7 @@ def test_every_column_is_there_and_has_its_hash(path: Path) -> None:
         assert {name: list(run.columns[name]) for name in kept["columns"]} == kept["columns"]
         assert run.columns.keys() == {"junctions", "life_curve", *kept["columns"]}
         assert Counter(run.column("junctions", "state").tolist()) == dict(kept["states"])
-        assert run.extent.ticks == kept["ticks"]
+        assert run.rows("trace") == kept["ticks"]
         assert run.damaged() == ()
 
 
@@ -120,7 +120,7 @@ def test_a_newer_version_is_refused_with_the_version_needed(path: Path) -> None:
 
 def test_unknown_groups_datasets_and_attributes_are_ignored(path: Path) -> None:
     with open_run(path) as run:
-        known, extent = run.columns, run.extent
+        known, rows = run.columns, [run.rows(group) for group in run.columns]
         before = {name: run.column("junctions", name).tobytes() for name in run.columns["junctions"]}
         attributes, provenance = run.attributes, run.provenance
     with h5py.File(path, "r+") as file:
@@ -133,7 +133,7 @@ def test_unknown_groups_datasets_and_attributes_are_ignored(path: Path) -> None:
         for owner in (file, file["trace"], file["provenance"]):
             owner.attrs["remark"] = "of any length"
     with open_run(path) as run:
-        assert (run.columns, run.extent) == (known, extent)
+        assert (run.columns, [run.rows(group) for group in run.columns]) == (known, rows)
         assert {name: run.column("junctions", name).tobytes() for name in before} == before
         assert (run.attributes, run.provenance) == (attributes, provenance)
         assert run.damaged() == ()
