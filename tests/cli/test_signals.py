@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.cli.signals import SIGNALS, stoppable
+from rubnoise.cli.progress import SIGNALS, stoppable
 from rubnoise.errors import RunStopped
 from tests.cli.terminal import LONG, begin, call, names, spawn_program, stop
 

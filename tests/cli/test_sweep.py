@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.cli.signals import SIGNALS
+from rubnoise.cli.progress import SIGNALS
 from rubnoise.scenario.sweep import expand, load_sweep
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, call, columns, spawn, spawn_program

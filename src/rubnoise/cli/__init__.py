@@ -1,5 +1,5 @@
-"""The command line: one file for each command, with its options, its JSON and the text that it prints.
+"""The command line: one file for a command or two, with their options, their JSON and the text that they print.
 
-Begin with `app`, which maps each command to its file, and then read one command, such as `info`.
-`layout`, `progress`, `loading`, `commands` and `derivation` hold what several commands share.
+Begin with `app`, which maps each command to its function, and then read one command, such as `info`.
+`options`, `layout`, `progress`, `loading` and `derivation` hold what several commands share.
 """

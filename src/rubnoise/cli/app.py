@@ -32,9 +32,9 @@ HEADINGS: Final = {
         "new": "new.command",
         "examples": "new.print_examples",
         "check": "check.command",
-        "run": "run.command",
-        "sweep": "sweep.command",
-        "demo": "demo.command",
+        "run": "run.run",
+        "sweep": "run.sweep",
+        "demo": "page.demo",
     },
     "Look at a result": {
         "info": "info.command",
@@ -46,8 +46,8 @@ HEADINGS: Final = {
     },
     "Compare": {
         "theory": "theory.command",
-        "compare": "compare.command",
-        "verify": "verify.command",
+        "compare": "compare.compare",
+        "verify": "compare.verify",
     },
     "Measure": {
         "infer": "infer.command",
@@ -55,7 +55,7 @@ HEADINGS: Final = {
     },
     "Hidden": {
         "schema": "new.print_schema",
-        "surface --synthesise": "synthesise.command",
+        "surface --synthesise": "surface.synthesise",
         **dict.fromkeys(INSTEAD, "ended.command"),
     },
 }

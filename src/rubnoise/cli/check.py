@@ -10,7 +10,7 @@ import typer
 
 from rubnoise.answer import Answer, Table, rows
 from rubnoise.cli.layout import json_text, show
-from rubnoise.cli.options import AsJson, Changes
+from rubnoise.cli.options import AsJson, Changes, argument
 from rubnoise.errors import RubnoiseError
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def command(
-    files: Annotated[list[Path], typer.Argument(help="Scenario files.", metavar="FILE")],
+    files: Annotated[list[Path], argument("FILE", "Scenario files.")],
     *,
     changes: Changes = None,
     as_json: AsJson = False,

@@ -1,4 +1,4 @@
-"""`rubnoise compare`: the rows of a result compared with the theory of its scenario."""
+"""`rubnoise compare` and `rubnoise verify`: a result beside the theory of its scenario, or its run, played again."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -9,21 +9,20 @@ import typer
 
 from rubnoise.answer import Row, printable
 from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsJson, ResultFile
+from rubnoise.cli.options import AsJson, ResultFile, flag, option
+from rubnoise.cli.progress import bar, on_terminal, watching_reads
 from rubnoise.errors import NotPassed, Refused
+from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
     from rubnoise.model import Model
 
 
-def command(
+def compare(
     file: ResultFile,
     *,
     bound: Annotated[
-        float | None,
-        typer.Option(
-            help="Largest |z| of a figure that agrees; default: the family-wise bound of all figures.", metavar="Z"
-        ),
+        float | None, option("Z", "Largest |z| of a figure that agrees; default: the family-wise bound of all figures.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -33,7 +32,7 @@ def command(
 
     Example: rubnoise compare fig5.h5
     """
-    from rubnoise.analysis.comparison import compare
+    from rubnoise.analysis import comparison
     from rubnoise.analysis.records import RecordTooShort
     from rubnoise.cli.loading import finished_run
     from rubnoise.scenario.reading import stored
@@ -43,7 +42,7 @@ def command(
     with finished_run(file) as run:
         try:
             model = stored(run.provenance["scenario_resolved"]).model()
-            found = compare(model, run, bound)
+            found = comparison.compare(model, run, bound)
         except RecordTooShort as refusal:
             raise Refused(str(refusal)) from refusal
         title = f"{file}: compared with the theory of its scenario"
@@ -64,3 +63,47 @@ def _white_noise(model: "Model") -> Iterator[Row]:
         return
     for name, unit in (("displacement_std", "um"), ("velocity_std", "um/s")):
         yield Row(part="white_noise", name=name, value=white[name], unit=unit)
+
+
+def verify(
+    file: ResultFile,
+    *,
+    regenerate: Annotated[
+        bool,
+        flag(
+            "Refuse a file whose random numbers cannot be drawn again here; rows are made again in any case.",
+            "--regenerate",
+        ),
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Play a run again, and compare every value of its result.
+
+    The exit code is 3 if something differs.
+
+    For the folder of a sweep, check its names and index too, and every run.
+
+    Example: rubnoise verify fig5.h5
+    """
+    from rubnoise.cli.loading import finished_run
+    from rubnoise.runs import verification
+
+    shown = on_terminal() and not as_json
+    if is_folder(file):
+        from rubnoise.runs.verify import verify_sweep
+
+        with bar(shown=shown) as show_bar:
+            found = verify_sweep(
+                file, int(regenerate), lambda done, runs: show_bar(done, runs, f"{done:,} of {runs:,} runs")
+            )
+    else:
+        with finished_run(file) as run, watching_reads(run, shown=shown):
+            found = verification.verify(run, int(regenerate))
+    whole = (
+        "its runs, made again, and the index of these" if is_folder(file) else "its hashes and its run, played again"
+    )
+    show(replace(found, title=f"{file}: compared with {whole}"), as_json=as_json)
+    if found.different:
+        places = [check.first for check in found.different if check.first is not None]
+        first = next((place for place in places if place.row is not None), places[0])  # one with a row says most
+        raise NotPassed(printable(f"{file}: differs: {first}{f'; {found.remark}' if found.remark else ''}"))

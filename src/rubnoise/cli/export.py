@@ -9,8 +9,8 @@ import typer
 
 from rubnoise.answer import size
 from rubnoise.cli.layout import grouped
-from rubnoise.cli.options import ReplaceFiles, ResultFile
-from rubnoise.cli.signals import stoppable
+from rubnoise.cli.options import ReplaceFiles, ResultFile, option
+from rubnoise.cli.progress import stoppable
 
 STANDARD_OUTPUT = Path("-")
 
@@ -24,20 +24,18 @@ ExportFormat = StrEnum("ExportFormat", "csv parquet netcdf")
 def command(
     file: ResultFile,
     *,
-    kind: Annotated[ExportFormat, typer.Option("--to", help="csv, parquet or netcdf.", metavar="FORMAT")],
+    kind: Annotated[ExportFormat, option("FORMAT", "csv, parquet or netcdf.", "--to")],
     group: Annotated[
         ExportedGroup | None,
-        typer.Option(
-            help="One group of the run: junctions, trace, slider, load or landmarks; default: all.", metavar="GROUP"
-        ),
+        option("GROUP", "One group of the run: junctions, trace, slider, load or landmarks; default: all."),
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
+        option(
+            "OUT",
+            "The file to write, - for standard output (CSV); default: RUN_GROUP.csv and so on, in this folder.",
             "-o",
             "--output",
-            help="The file to write, - for standard output (CSV); default: RUN_GROUP.csv and so on, in this folder.",
-            metavar="OUT",
         ),
     ] = None,
     force: ReplaceFiles = False,

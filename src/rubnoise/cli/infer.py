@@ -5,11 +5,9 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Final
 
-import typer
-
 from rubnoise.answer import Answer, printable
 from rubnoise.cli.layout import show, write_texts
-from rubnoise.cli.options import AsJson, ReplaceFiles
+from rubnoise.cli.options import AsJson, ReplaceFiles, argument, flag, option
 from rubnoise.errors import in_shell
 
 Shape = StrEnum("Shape", "lens parabola")
@@ -26,69 +24,43 @@ OF_COMMAND: Final = ("as_json", "output", "report", "force")
 def command(
     trace: Annotated[
         str,
-        typer.Argument(
-            help="A measured trace: text, WAV, MATLAB 5, a result, FILE.h5:PATH, FILE.nc:NAME, or - (standard input).",
-            metavar="TRACE",
+        argument(
+            "TRACE",
+            "A measured trace: text, WAV, MATLAB 5, a result, FILE.h5:PATH, FILE.nc:NAME, or - (standard input).",
         ),
     ],
     *,
-    speed: Annotated[
-        str | None, typer.Option(help='Sliding speed, for a trace over time: "1 mm/s".', metavar="SPEED")
-    ] = None,
-    column: Annotated[str | None, typer.Option(help="Which column, by its name or number.", metavar="NAME")] = None,
-    place: Annotated[
-        str | None, typer.Option(help="The column of distances, by name or number.", metavar="NAME")
-    ] = None,
-    time: Annotated[str | None, typer.Option(help="The column of times, by name or number.", metavar="NAME")] = None,
-    unit: Annotated[
-        str | None,
-        typer.Option(help='Unit of the values, or what a value of 1 is: mN, "-0.5 mN", V.', metavar="U"),
-    ] = None,
-    rate: Annotated[
-        str | None, typer.Option(help='Samples a second, whatever the file says: "20 kHz".', metavar="R")
-    ] = None,
-    zero: Annotated[Zero, typer.Option(help="Whether 0 is no force: known, unknown.", metavar="ZERO")] = Zero.unknown,
-    strength: Annotated[
-        str | None, typer.Option(help='Shear strength, where it is known: "250 MPa".', metavar="PSI")
-    ] = None,
+    speed: Annotated[str | None, option("SPEED", 'Sliding speed, for a trace over time: "1 mm/s".')] = None,
+    column: Annotated[str | None, option("NAME", "Which column, by its name or number.")] = None,
+    place: Annotated[str | None, option("NAME", "The column of distances, by name or number.")] = None,
+    time: Annotated[str | None, option("NAME", "The column of times, by name or number.")] = None,
+    unit: Annotated[str | None, option("U", 'Unit of the values, or what a value of 1 is: mN, "-0.5 mN", V.')] = None,
+    rate: Annotated[str | None, option("R", 'Samples a second, whatever the file says: "20 kHz".')] = None,
+    zero: Annotated[Zero, option("ZERO", "Whether 0 is no force: known, unknown.")] = Zero.unknown,
+    strength: Annotated[str | None, option("PSI", 'Shear strength, where it is known: "250 MPa".')] = None,
     strength_spread: Annotated[
-        str | None,
-        typer.Option(help='Standard deviation of strengths over their mean: "50 %".', metavar="V", show_default="none"),
+        str | None, option("V", 'Standard deviation of strengths over their mean: "50 %".', show_default="none")
     ] = None,
-    pulse: Annotated[
-        Shape | None, typer.Option(help="Life of a junction: lens (the default), parabola.", metavar="SHAPE")
-    ] = None,
-    offset: Annotated[
-        Offset, typer.Option(help="How far passes miss the centre: none, uniform.", metavar="OFFSET")
-    ] = Offset.none,
-    bandwidth: Annotated[
-        str | None, typer.Option(help='Corner of the sensor\'s filter: "200 Hz".', metavar="F")
-    ] = None,
-    poles: Annotated[int, typer.Option(help="Poles of this filter.", metavar="P", min=1, max=2)] = 1,
+    pulse: Annotated[Shape | None, option("SHAPE", "Life of a junction: lens (the default), parabola.")] = None,
+    offset: Annotated[Offset, option("OFFSET", "How far passes miss the centre: none, uniform.")] = Offset.none,
+    bandwidth: Annotated[str | None, option("F", 'Corner of the sensor\'s filter: "200 Hz".')] = None,
+    poles: Annotated[int, option("P", "Poles of this filter.", min=1, max=2)] = 1,
     law: Annotated[
-        LawChoice,
-        typer.Option(help="Law of sizes: auto, fixed, normal, lognormal, exponential, gamma.", metavar="LAW"),
+        LawChoice, option("LAW", "Law of sizes: auto, fixed, normal, lognormal, exponential, gamma.")
     ] = LawChoice.auto,
-    mask: Annotated[
-        list[str] | None, typer.Option(help='A frequency to leave out: "50 Hz". May be repeated.', metavar="F")
-    ] = None,
-    drift: Annotated[bool, typer.Option("--drift", help="Fit a random walk of the sensor as well.")] = False,
-    from_: Annotated[
-        str | None, typer.Option("--from", help='First sample, from 1 on, or a time: "2 s".', metavar="A")
-    ] = None,
-    to: Annotated[str | None, typer.Option(help='Last sample, or a time: "30 s".', metavar="B")] = None,
-    strokes: Annotated[
-        str | None, typer.Option(help='Cut at reversals, leave out so much of each end: "10 %".', metavar="PART")
-    ] = None,
+    mask: Annotated[list[str] | None, option("F", 'A frequency to leave out: "50 Hz". May be repeated.')] = None,
+    drift: Annotated[bool, flag("Fit a random walk of the sensor as well.", "--drift")] = False,
+    from_: Annotated[str | None, option("A", 'First sample, from 1 on, or a time: "2 s".', "--from")] = None,
+    to: Annotated[str | None, option("B", 'Last sample, or a time: "30 s".')] = None,
+    strokes: Annotated[str | None, option("PART", 'Cut at reversals, leave out so much of each end: "10 %".')] = None,
     bootstrap: Annotated[
-        int, typer.Option(help="Simulate so many traces of what was found, to check its errors.", metavar="N", min=0)
+        int, option("N", "Simulate so many traces of what was found, to check its errors.", min=0)
     ] = 0,
     as_json: AsJson = False,
     output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Write a scenario that simulates what was found.", metavar="TOML"),
+        Path | None, option("TOML", "Write a scenario that simulates what was found.", "-o", "--output")
     ] = None,
-    report: Annotated[Path | None, typer.Option(help="Write a page with pictures and tests.", metavar="HTML")] = None,
+    report: Annotated[Path | None, option("HTML", "Write a page with pictures and tests.")] = None,
     force: ReplaceFiles = False,
 ) -> None:
     """Find the junctions behind a friction trace.

@@ -10,8 +10,8 @@ import typer
 import rubnoise
 from rubnoise.answer import Answer, Row, Table, rows
 from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsJson, ResultOrSweep
-from rubnoise.cli.sweep import failures
+from rubnoise.cli.options import AsJson, ResultOrSweep, option
+from rubnoise.cli.run import failures
 from rubnoise.errors import Refused
 from rubnoise.regular_file import is_folder
 
@@ -25,12 +25,9 @@ def command(
     file: ResultOrSweep,
     *,
     figures: Annotated[
-        str | None,
-        typer.Option(help="Of a sweep: these figures of each point, over its replicates.", metavar="NAME,..."),
+        str | None, option("NAME,...", "Of a sweep: these figures of each point, over its replicates.")
     ] = None,
-    over: Annotated[
-        str | None, typer.Option(help="The same over the points with this value of a swept key.", metavar="KEY=VALUE")
-    ] = None,
+    over: Annotated[str | None, option("KEY=VALUE", "The same over the points with this value of a swept key.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Show what a result or a sweep contains.

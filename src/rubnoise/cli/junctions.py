@@ -10,7 +10,7 @@ import typer
 
 from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.cli.layout import grouped, show
-from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile
+from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile, argument, flag, option
 from rubnoise.cli.plot import check_picture, write_picture
 from rubnoise.errors import Refused
 
@@ -30,30 +30,29 @@ SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
 def command(
     file: ResultFile,
     number: Annotated[
-        str | None,
-        typer.Argument(help="Row number of one junction, from 0 in order of birth, to show its life.", metavar="N"),
+        str | None, argument("N", "Row number of one junction, from 0 in order of birth, to show its life.")
     ] = None,
     picture: Annotated[
-        Path | None, typer.Argument(help="The png file of --plot; default: a name from RUN and N.", metavar="FILE.png")
+        Path | None, argument("FILE.png", "The png file of --plot; default: a name from RUN and N.")
     ] = None,
     *,
     where: Annotated[
         str | None,
-        typer.Option(
-            help="Only rows that meet this condition: columns, numbers (with units), < <= > >= == !=, and, or, not,"
+        option(
+            "CONDITION",
+            "Only rows that meet this condition: columns, numbers (with units), < <= > >= == !=, and, or, not,"
             " parentheses, and the states complete, alive_at_start, alive_at_end, ended_early.",
-            metavar="CONDITION",
         ),
     ] = None,
-    sort: Annotated[str | None, typer.Option(help="Smallest first; -COLUMN: largest first.", metavar="COLUMN")] = None,
-    reverse: Annotated[bool, typer.Option("--reverse", help="Reverse the order.")] = False,
+    sort: Annotated[str | None, option("COLUMN", "Smallest first; -COLUMN: largest first.")] = None,
+    reverse: Annotated[bool, flag("Reverse the order.", "--reverse")] = False,
     head: Annotated[
-        int | None, typer.Option(help="Largest number of rows; default: 20 as text, otherwise all.", metavar="N", min=0)
+        int | None, option("N", "Largest number of rows; default: 20 as text, otherwise all.", min=0)
     ] = None,
-    columns: Annotated[str | None, typer.Option(help="The columns to print.", metavar="A,B,...")] = None,
-    as_csv: Annotated[bool, typer.Option("--csv", help="Print a table with commas, units in its heading.")] = False,
+    columns: Annotated[str | None, option("A,B,...", "The columns to print.")] = None,
+    as_csv: Annotated[bool, flag("Print a table with commas, units in its heading.", "--csv")] = False,
     as_json: AsJson = False,
-    plot: Annotated[bool, typer.Option("--plot", help="Draw the life of junction N into a png file.")] = False,
+    plot: Annotated[bool, flag("Draw the life of junction N into a png file.", "--plot")] = False,
     force: ReplacePlot = False,
 ) -> None:
     """List junctions that meet a condition, or show one life.

@@ -13,8 +13,8 @@ import typer
 from rubnoise import __version__
 from rubnoise.answer import Answer, Row, rows
 from rubnoise.cli.layout import grouped, show
-from rubnoise.cli.options import ReplaceFile
-from rubnoise.cli.signals import stoppable
+from rubnoise.cli.options import ReplaceFile, argument, option
+from rubnoise.cli.progress import stoppable
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,27 +27,24 @@ Rate = StrEnum("Rate", {"CD": "44100", "VIDEO": "48000"})
 
 
 def command(
-    files: Annotated[list[Path], typer.Argument(help="Result files.", metavar="RUN.h5")],
+    files: Annotated[list[Path], argument("RUN.h5", "Result files.")],
     *,
     output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="The file to write; default: RUN_WHAT.wav, in this folder.", metavar="WAV"),
+        Path | None, option("WAV", "The file to write; default: RUN_WHAT.wav, in this folder.", "-o", "--output")
     ] = None,
     what: Annotated[
-        What, typer.Option(help="The sound: velocity, force, displacement, normal-velocity or load.", metavar="WHAT")
+        What, option("WHAT", "The sound: velocity, force, displacement, normal-velocity or load.")
     ] = What.velocity,
     speed_up: Annotated[
         float | None,
-        typer.Option(
+        option(
+            "X",
+            "Factor by which the sound is faster than the run; default: 1, of several runs an audible one.",
             "--speed-up",
-            help="Factor by which the sound is faster than the run; default: 1, of several runs an audible one.",
-            metavar="X",
         ),
     ] = None,
-    seconds: Annotated[
-        float | None, typer.Option(help="Length of the sound, from the start; default: all.", metavar="S")
-    ] = None,
-    rate: Annotated[Rate, typer.Option(help="Samples a second: 44100 or 48000.", metavar="RATE")] = Rate.VIDEO,
+    seconds: Annotated[float | None, option("S", "Length of the sound, from the start; default: all.")] = None,
+    rate: Annotated[Rate, option("RATE", "Samples a second: 44100 or 48000.")] = Rate.VIDEO,
     force: ReplaceFile = False,
 ) -> None:
     """Write the slider's motion as sound.
@@ -62,9 +59,9 @@ def command(
     from rubnoise.cli.loading import finished_run
     from rubnoise.storage.wave_file import check_length
 
-    for option, value in (("--speed-up", speed_up), ("--seconds", seconds)):
+    for name, value in (("--speed-up", speed_up), ("--seconds", seconds)):
         if value is not None and not (isfinite(value) and value > 0.0):
-            raise typer.BadParameter(f"{option}: {value:g} is no number above 0")
+            raise typer.BadParameter(f"{name}: {value:g} is no number above 0")
     if output and len(files) > 1:
         raise typer.BadParameter("-o names one file; several runs are written as RUN_WHAT.wav in this folder")
     with ExitStack() as opened, stoppable() as between:

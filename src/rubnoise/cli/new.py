@@ -5,9 +5,8 @@ import os
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from rubnoise.cli.layout import sentence
+from rubnoise.cli.options import argument, option
 from rubnoise.errors import OutputRefused
 
 
@@ -19,16 +18,14 @@ def shipped_scenarios(incomplete: str) -> list[str]:
 
 
 def command(
-    file: Annotated[
-        Path, typer.Argument(help="The scenario file to make, which must not exist; - prints it.", metavar="NAME.toml")
-    ],
+    file: Annotated[Path, argument("NAME.toml", "The scenario file to make, which must not exist; - prints it.")],
     *,
     source: Annotated[
         str | None,
-        typer.Option(
+        option(
+            "EXAMPLE",
+            "Copy this scenario of rubnoise's, such as paper/fig5; `rubnoise examples` lists them.",
             "--from",
-            help="Copy this scenario of rubnoise's, such as paper/fig5; `rubnoise examples` lists them.",
-            metavar="EXAMPLE",
             autocompletion=shipped_scenarios,
         ),
     ] = None,

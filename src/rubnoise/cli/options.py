@@ -2,23 +2,37 @@
 
 import re
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import typer
 
-ResultFile = Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5")]
-ResultOrSweep = Annotated[Path, typer.Argument(help="A result file, or the folder of a sweep.", metavar="RUN.h5|DIR")]
-StretchStart = Annotated[
-    str | None, typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S")
-]
-StretchEnd = Annotated[str | None, typer.Option("--to", help="End of the stretch.", metavar="S")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")]
-ReplaceFile = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
-ReplaceFiles = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
-ReplaceResult = Annotated[bool, typer.Option("--force", help="Replace an existing result.")]
-ReplacePlot = Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")]
-Changes = Annotated[list[str] | None, typer.Option("--set", help="Change a key, as for run.", metavar="KEY=VALUE")]
+
+def argument(metavar: str, about: str, **more: Any) -> Any:
+    """Return an argument of a command, as help shows it."""
+    return typer.Argument(help=about, metavar=metavar, **more)
+
+
+def option(metavar: str, about: str, *names: str, **more: Any) -> Any:
+    """Return an option with a value; without ``names`` its name is that of the parameter."""
+    return typer.Option(*names, help=about, metavar=metavar, **more)
+
+
+def flag(about: str, *names: str) -> Any:
+    """Return an option without a value."""
+    return typer.Option(*names, help=about)
+
+
+ResultFile = Annotated[Path, argument("RUN.h5", "A result file.")]
+ResultOrSweep = Annotated[Path, argument("RUN.h5|DIR", "A result file, or the folder of a sweep.")]
+StretchStart = Annotated[str | None, option("S", "Start of the stretch: um, or with a unit.", "--from")]
+StretchEnd = Annotated[str | None, option("S", "End of the stretch.", "--to")]
+AsJson = Annotated[bool, flag("Print one JSON object and nothing else.", "--json")]
+Quiet = Annotated[bool, flag("Print only errors.", "-q", "--quiet")]
+ReplaceFile = Annotated[bool, flag("Replace an existing file.", "--force")]
+ReplaceFiles = Annotated[bool, flag("Replace existing files.", "--force")]
+ReplaceResult = Annotated[bool, flag("Replace an existing result.", "--force")]
+ReplacePlot = Annotated[bool, flag("Let --plot replace a file.", "--force")]
+Changes = Annotated[list[str] | None, option("KEY=VALUE", "Change a key, as for run.", "--set")]
 NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 """A number without a unit."""
 
@@ -27,9 +41,7 @@ ENGINES: Final = ("events", "batch")
 
 EngineName = Annotated[
     str | None,
-    typer.Option(
-        help="events or batch, instead of the file's; both give the same bits.",
-        metavar="ENGINE",
-        autocompletion=lambda: ENGINES,
+    option(
+        "ENGINE", "events or batch, instead of the file's; both give the same bits.", autocompletion=lambda: ENGINES
     ),
 ]

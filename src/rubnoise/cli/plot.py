@@ -13,7 +13,7 @@ import typer
 import rubnoise
 from rubnoise.answer import printable
 from rubnoise.api.kinds import Kind
-from rubnoise.cli.options import ReplaceFile, ResultOrSweep
+from rubnoise.cli.options import ReplaceFile, ResultOrSweep, argument, flag, option
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.regular_file import is_folder
 
@@ -44,55 +44,52 @@ def command(
     file: ResultOrSweep,
     what: Annotated[
         str | None,
-        typer.Argument(
-            help=f"Of a run, the picture: {', '.join(PICTURES)}. Of a sweep, a quantity, such as displacement_std.",
-            metavar="WHAT",
+        argument(
+            "WHAT",
+            f"Of a run, the picture: {', '.join(PICTURES)}. Of a sweep, a quantity, such as displacement_std.",
             autocompletion=complete,
             show_default="trace, or displacement_std or real_contact_area_std",
         ),
     ] = None,
     *,
     output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="A png, pdf or svg file; else RUN_WHAT.png, here.", metavar="PICTURE"),
+        Path | None, option("PICTURE", "A png, pdf or svg file; else RUN_WHAT.png, here.", "-o", "--output")
     ] = None,
-    start: Annotated[
-        str | None, typer.Option("--from", help="Where the stretch begins: um, or with a unit.", metavar="S")
-    ] = None,
-    stop: Annotated[str | None, typer.Option("--to", help="Where the stretch ends.", metavar="S")] = None,
+    start: Annotated[str | None, option("S", "Where the stretch begins: um, or with a unit.", "--from")] = None,
+    stop: Annotated[str | None, option("S", "Where the stretch ends.", "--to")] = None,
     of: Annotated[
         SpectrumOf,
-        typer.Option(
-            help="Of what psd and histogram are: area, or force, displacement, velocity, normal-velocity or load.",
-            metavar="QUANTITY",
+        option(
+            "QUANTITY",
+            "Of what psd and histogram are: area, or force, displacement, velocity, normal-velocity or load.",
         ),
     ] = SpectrumOf.area,
     beside: Annotated[
         Path | None,
-        typer.Option(
-            "--with",
-            help="Another run, laid over the first: for slider, phase, load, and psd of anything but the area."
+        option(
+            "RUN.h5|CSV",
+            "Another run, laid over the first: for slider, phase, load, and psd of anything but the area."
             " For psd also a record of yours, a csv file.",
-            metavar="RUN.h5|CSV",
+            "--with",
         ),
     ] = None,
     size: Annotated[
         str | None,
-        typer.Option(
-            help="Width and height, such as '84 mm x 60 mm'; single and double are the columns of a journal.",
-            metavar="SIZE",
+        option(
+            "SIZE",
+            "Width and height, such as '84 mm x 60 mm'; single and double are the columns of a journal.",
             show_default="the picture's own",
         ),
     ] = None,
     style: Annotated[
         str | None,
-        typer.Option(
-            help="screen, paper (small letters) or slides (large ones).",
-            metavar="STYLE",
+        option(
+            "STYLE",
+            "screen, paper (small letters) or slides (large ones).",
             show_default="paper below 120 mm, else screen",
         ),
     ] = None,
-    title: Annotated[bool, typer.Option("--title/--no-title", help="With titles, or without for a caption.")] = True,
+    title: Annotated[bool, flag("With titles, or without for a caption.", "--title/--no-title")] = True,
     force: ReplaceFile = False,
 ) -> None:
     """Draw a run beside theory.

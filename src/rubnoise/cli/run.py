@@ -1,49 +1,54 @@
-"""`rubnoise run`: a scenario file in, a result file out, and a few lines about it."""
+"""`rubnoise run` and `rubnoise sweep`: a scenario in, results out, and a few lines about them."""
 
 import os
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 from shutil import which
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 import rubnoise
-from rubnoise.answer import Answer, rows, size
-from rubnoise.cli.layout import grouped, sentence, show, too_short_for_motion
-from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult
-from rubnoise.cli.progress import announce_compilation, on_terminal, watching
-from rubnoise.cli.signals import interrupted_at_once
+from rubnoise.answer import Answer, Row, Table, rows, size
+from rubnoise.cli.layout import as_wide_text, grouped, sentence, show, too_short_for_motion
+from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult, argument, flag, option
+from rubnoise.cli.progress import (
+    announce_compilation,
+    announce_compilation_by_workers,
+    interrupted_at_once,
+    on_terminal,
+    watching,
+    watching_sweep,
+)
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from rubnoise.api.run import Run
+    from rubnoise.api.sweep_result import SweepResult
+    from rubnoise.runs.sweep import Unmet
     from rubnoise.scenario import Scenario
+    from rubnoise.scenario.sweep import Sweep
 
 
 @interrupted_at_once
-def command(
-    file: Annotated[Path, typer.Argument(help="The scenario, a TOML file; - is standard input.", metavar="FILE")],
+def run(
+    file: Annotated[Path, argument("FILE", "The scenario, a TOML file; - is standard input.")],
     *,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--output", help="The result file; default: FILE's name with .h5, in this folder.", metavar="OUT.h5"
-        ),
+        option("OUT.h5", "The result file; default: FILE's name with .h5, in this folder.", "-o", "--output"),
     ] = None,
-    seed: Annotated[
-        int | None, typer.Option(help="Seed of the random streams, instead of the file's.", metavar="N")
-    ] = None,
+    seed: Annotated[int | None, option("N", "Seed of the random streams, instead of the file's.")] = None,
     changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="Change a key, e.g. --set sliding.distance=5mm.", metavar="KEY=VALUE"),
+        list[str] | None, option("KEY=VALUE", "Change a key, e.g. --set sliding.distance=5mm.", "--set")
     ] = None,
     engine: EngineName = None,
     force: ReplaceResult = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Check everything, run nothing, write nothing.")] = False,
+    dry_run: Annotated[bool, flag("Check everything, run nothing, write nothing.", "--dry-run")] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -149,3 +154,115 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
         for doubt in doubts:
             print(sentence(f"warning: {doubt}", "  "), file=sys.stderr)
     return doubts
+
+
+MOST_FAILURES: Final = 20
+"""Failed runs that text shows."""
+
+
+@interrupted_at_once
+def sweep(
+    file: Annotated[Path, argument("FILE", "A file with a table [sweep], or one run's for --over.")],
+    *,
+    folder: Annotated[
+        Path | None, option("DIR", "The folder; default: FILE's name without .toml, in this folder.", "-o", "--output")
+    ] = None,
+    jobs: Annotated[
+        int | None, option("N", "Number of processes; default: the number of processors.", "--jobs", "-j")
+    ] = None,
+    cluster: Annotated[str | None, option("ADDRESS", "A Dask scheduler: its address or its scheduler file.")] = None,
+    shard: Annotated[
+        str | None, option("I/N", "Make only one of several parts, e.g. 2/8 for a task of a batch queue.")
+    ] = None,
+    changes: Annotated[
+        list[str] | None, option("KEY=VALUE", "Change a key, e.g. --set sweep.replicates=40.", "--set")
+    ] = None,
+    over: Annotated[
+        list[str] | None, option("KEY=V,V", "Values of a key, e.g. --over sliding.speed=5,10,20mm/s.")
+    ] = None,
+    engine: EngineName = None,
+    force: Annotated[bool, flag("Leave the runs of other scenarios that are in the folder.", "--force")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Make every run of a sweep, in one folder with an index.
+
+    The same command resumes an interrupted sweep: it skips finished runs, and adds new points and replicates. Exit
+    code 1 if a run failed.
+
+    Several --over make a grid, beside the file's own, whose key they replace; the file may be that of one run.
+
+    Example: rubnoise sweep scenarios/paper/fig7.toml -o fig7
+    """
+    from rubnoise.api.sweep_result import open_sweep
+    from rubnoise.cli.loading import axes, overrides, sweep_of
+    from rubnoise.runs.sweep import carry_out
+
+    asked = sweep_of(file, (*overrides(changes, engine=engine), *axes(over)), quiet=quiet or as_json)
+    place = Path(file.stem) if folder is None else folder
+    shown = on_terminal() and not quiet and not as_json
+    if not quiet and not as_json:
+        announce_compilation_by_workers()
+    with watching_sweep(shown=shown) as watch:
+        imprecise = carry_out(
+            asked,
+            place,
+            jobs=jobs,
+            executor=cluster,
+            shard=shard,
+            force=force,
+            command=["rubnoise", *sys.argv[1:]],
+            watch=watch,
+        )
+    result = open_sweep(place)
+    answer = outcome(asked, result, imprecise)
+    if as_json:
+        show(answer, as_json=True)
+    elif not quiet:
+        print(as_wide_text(replace(answer, rows=(), tables=answer.tables[1:] if result.failures else answer.tables)))
+    if result.failures and not as_json:
+        count = len(result.failures)
+        told = f"{grouped(count)} {'run' if count == 1 else 'runs'} failed; the same command tries again"
+        print(as_wide_text(Answer(title=told, tables=tuple(failures(result)))), file=sys.stderr)
+    if result.failures:
+        raise typer.Exit(1)
+
+
+def outcome(sweep: "Sweep", result: "SweepResult", imprecise: "list[Unmet]") -> Answer:
+    """Return what came of a sweep: how many runs, and which points are short of the requested precision."""
+    counts = {state: result.count(state) for state in ("done", "failed", "planned")}
+    short = Table(
+        name="imprecise",
+        columns={
+            **{key: [str(unmet.values[key]) for unmet in imprecise] for key in sweep.keys},
+            "replicates": [unmet.replicates for unmet in imprecise],
+            "relative_standard_error": [unmet.reached for unmet in imprecise],
+        },
+    )
+    known: dict[str, Any] = {"folder": str(result.path), "index": str(result.path / "index.h5")}
+    known |= {"points": len(sweep.cases), "runs": len(result.runs), **counts}
+    return Answer(
+        title=f"{result.path}: {grouped(len(sweep.cases))} points, {runs_in_words(result)}",
+        rows=tuple(
+            Row(name=name, value=value, fails=name == "failed" and bool(value)) for name, value in known.items()
+        ),
+        tables=(*failures(result), *([short] if imprecise else [])),
+        notes=tuple(f"warning: {warning}" for warning in sweep.warnings),
+    )
+
+
+def failures(result: "SweepResult") -> Iterator[Table]:
+    """Yield the runs that failed, with their points and the reasons."""
+    failed = result.failures
+    if failed:
+        columns: dict[str, list[Any]] = {"run_id": [each.run_id for each in failed]}
+        columns |= {key: [str(each.values[key]) for each in failed] for key in result.keys}
+        columns |= {"replicate": [each.replicate for each in failed], "reason": [each.reason for each in failed]}
+        yield Table(name="failures", columns=columns, shown=range(min(len(failed), MOST_FAILURES)))
+
+
+def runs_in_words(result: "SweepResult") -> str:
+    """Return the number of runs, and how many are done, failed and planned."""
+    counts = {state: result.count(state) for state in ("done", "failed", "planned")}
+    told = ", ".join(f"{grouped(count)} {state}" for state, count in counts.items() if count)
+    return f"{grouped(len(result.runs))} runs: {told}"

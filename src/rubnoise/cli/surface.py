@@ -1,4 +1,7 @@
-"""`rubnoise surface`: from measured surfaces to the junctions that carry a load, and to the scenario of their noise."""
+"""`rubnoise surface`: from measured surfaces to the junctions that carry a load, and to the scenario of their noise.
+
+With `--synthesise` it makes a self-affine surface from a seed, as a file that it reads.
+"""
 
 import sys
 from collections.abc import Iterator, Sequence
@@ -11,7 +14,7 @@ import typer
 
 from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.cli.layout import show, write_texts
-from rubnoise.cli.options import AsJson, ReplaceFiles
+from rubnoise.cli.options import AsJson, ReplaceFile, ReplaceFiles, argument, flag, option
 from rubnoise.errors import Refused, in_shell
 
 if TYPE_CHECKING:
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
     from rubnoise.surface.normal_motion import NormalMotion
     from rubnoise.surface.sliding import SlidingContact
     from rubnoise.theory.coupling import LoadMotion
+
 
 Form = StrEnum("Form", "none tilt polynomial cylinder sphere")
 """Forms that can be removed."""
@@ -32,52 +36,30 @@ _WAVES: Final = 120
 
 def command(
     context: typer.Context,
-    scans: Annotated[
-        list[Path] | None, typer.Argument(help="A scan, or two: the track, then the slider.", metavar="SCAN [SCAN]")
-    ] = None,
+    scans: Annotated[list[Path] | None, argument("SCAN [SCAN]", "A scan, or two: the track, then the slider.")] = None,
     *,
-    cutoff: Annotated[str | None, typer.Option(help='Shortest wave that counts: "5 um".', metavar="LENGTH")] = None,
-    load: Annotated[str | None, typer.Option(help='Load of the slider: "0.2 N".', metavar="FORCE")] = None,
-    hardness: Annotated[str | None, typer.Option(help='Hardness of the softer: "1 GPa".', metavar="PRESSURE")] = None,
-    longest: Annotated[
-        str | None, typer.Option(help="Longest wave that counts; default: all.", metavar="LENGTH")
-    ] = None,
-    form: Annotated[
-        Form, typer.Option(help="Form to remove: none, tilt, polynomial, cylinder, sphere.", metavar="FORM")
-    ] = Form.tilt,
-    unit: Annotated[str | None, typer.Option(help="Unit of a scan that names none: um.", metavar="UNIT")] = None,
-    height_unit: Annotated[str | None, typer.Option(help="Unit of its heights, if another.", metavar="UNIT")] = None,
-    size: Annotated[
-        str | None, typer.Option(help='Size of a bare matrix: "128 um x 128 um".', metavar="LENGTHS")
-    ] = None,
-    channel: Annotated[str | None, typer.Option(help="Which map of a file with several.", metavar="NAME")] = None,
-    turn: Annotated[bool, typer.Option("--turn", help="Slide along the second index of the scans.")] = False,
-    slider_length: Annotated[
-        str | None, typer.Option(help="Length of a slider longer than its scan.", metavar="LENGTH")
-    ] = None,
-    speed: Annotated[
-        str | None, typer.Option(help='Sliding speed of the scenario: "10 mm/s".', metavar="SPEED")
-    ] = None,
-    distance: Annotated[
-        str | None, typer.Option(help="Its sliding distance; default: 1000 mean lives.", metavar="LENGTH")
-    ] = None,
-    mass: Annotated[
-        str | None, typer.Option(help="Let the slider rise and fall on its load: its mass.", metavar="MASS")
-    ] = None,
-    damping_ratio: Annotated[float | None, typer.Option(help="Damping ratio of this motion.", metavar="RATIO")] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Write the scenario.", metavar="FILE"),
-    ] = None,
-    report: Annotated[Path | None, typer.Option(help="Write a page with maps and curves.", metavar="HTML")] = None,
+    cutoff: Annotated[str | None, option("LENGTH", 'Shortest wave that counts: "5 um".')] = None,
+    load: Annotated[str | None, option("FORCE", 'Load of the slider: "0.2 N".')] = None,
+    hardness: Annotated[str | None, option("PRESSURE", 'Hardness of the softer: "1 GPa".')] = None,
+    longest: Annotated[str | None, option("LENGTH", "Longest wave that counts; default: all.")] = None,
+    form: Annotated[Form, option("FORM", "Form to remove: none, tilt, polynomial, cylinder, sphere.")] = Form.tilt,
+    unit: Annotated[str | None, option("UNIT", "Unit of a scan that names none: um.")] = None,
+    height_unit: Annotated[str | None, option("UNIT", "Unit of its heights, if another.")] = None,
+    size: Annotated[str | None, option("LENGTHS", 'Size of a bare matrix: "128 um x 128 um".')] = None,
+    channel: Annotated[str | None, option("NAME", "Which map of a file with several.")] = None,
+    turn: Annotated[bool, flag("Slide along the second index of the scans.", "--turn")] = False,
+    slider_length: Annotated[str | None, option("LENGTH", "Length of a slider longer than its scan.")] = None,
+    speed: Annotated[str | None, option("SPEED", 'Sliding speed of the scenario: "10 mm/s".')] = None,
+    distance: Annotated[str | None, option("LENGTH", "Its sliding distance; default: 1000 mean lives.")] = None,
+    mass: Annotated[str | None, option("MASS", "Let the slider rise and fall on its load: its mass.")] = None,
+    damping_ratio: Annotated[float | None, option("RATIO", "Damping ratio of this motion.")] = None,
+    output: Annotated[Path | None, option("FILE", "Write the scenario.", "-o", "--output")] = None,
+    report: Annotated[Path | None, option("HTML", "Write a page with maps and curves.")] = None,
     as_json: AsJson = False,
     force: ReplaceFiles = False,
     # Read before the command is chosen (`app.py`); here it is for --help alone.
     _synthesise: Annotated[
-        bool,
-        typer.Option(
-            "--synthesise", help="Make a surface instead: surface --synthesise --help has the options of that."
-        ),
+        bool, flag("Make a surface instead: surface --synthesise --help has the options of that.", "--synthesise")
     ] = False,
 ) -> None:
     """Find the junctions between two measured surfaces.
@@ -135,9 +117,9 @@ def _ask_for_needed(track: "Surface", slider: "Surface | None", asked: dict[str,
             '--cutoff is needed: the number of junctions depends on it as above; right form: --cutoff "5 um", a wave'
             " longer than the noise of the instrument"
         )
-    for option, example in (("load", "0.2 N"), ("hardness", "1 GPa")):
-        if asked[option] is None:
-            raise Refused(f'--{option} is needed; right form: --{option} "{example}"')
+    for name, example in (("load", "0.2 N"), ("hardness", "1 GPa")):
+        if asked[name] is None:
+            raise Refused(f'--{name} is needed; right form: --{name} "{example}"')
 
 
 def _wanted(asked: dict[str, Any]) -> dict[str, Any]:
@@ -275,3 +257,43 @@ _NOTES: Final = {
     "over_gaussian": "patches over exact",
     "velocity_level": "re 50 nm/s",
 }
+
+
+def synthesise(
+    *,
+    points: Annotated[int, option("N", "Points a side.")] = 512,
+    spacing: Annotated[str, option("LENGTH", "Their distance.")] = "1 um",
+    roughness: Annotated[str, option("LENGTH", "Rms height.")] = "1 um",
+    hurst: Annotated[float, option("H", "Hurst exponent.")] = 0.8,
+    rolloff: Annotated[
+        str | None, option("LENGTH", "Longest self-affine wave; default: a sixteenth of a side.")
+    ] = None,
+    cutoff: Annotated[str | None, option("LENGTH", "Shortest wave; default: five points long.")] = None,
+    seed: Annotated[int, option("N", "Seed of its random numbers.")] = 1,
+    output: Annotated[
+        Path | None, option("FILE.nc", "The file to write; default: surfaceSEED.nc.", "-o", "--output")
+    ] = None,
+    as_json: AsJson = False,
+    force: ReplaceFile = False,
+) -> None:
+    """Make a self-affine surface, as a file that `rubnoise surface` reads.
+
+    Equal arguments give equal bits.
+
+    Example: rubnoise surface --synthesise --seed 2 -o slider.nc
+    """
+    from rubnoise.api.surface import Surface
+    from rubnoise.storage.output import check_output
+
+    path = output or Path(f"surface{seed}.nc")
+    if path.suffix.lower() != ".nc":
+        raise typer.BadParameter(f"{path} does not end in .nc, the form of file that --synthesise writes")
+    check_output(path, force=force)
+    made = Surface.synthesise(
+        points=points, spacing=spacing, roughness=roughness, hurst=hurst, rolloff=rolloff, cutoff=cutoff, seed=seed
+    )
+    made.save(path, force=force)
+    units, found = {"Sa": "um", "Sq": "um"}, made.roughness()
+    told = rows("", ("surface", str(path)), ("digest", made.map.digest))
+    rough = rows("roughness", *((name, value, units.get(name, "")) for name, value in found.items()))
+    show(Answer(title=f"{path}: {made.map.history[0]}", rows=(*told, *rough)), as_json=as_json)

@@ -6,45 +6,33 @@ from typing import Annotated
 import typer
 
 from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsJson, Changes, ReplacePlot
+from rubnoise.cli.options import AsJson, Changes, ReplacePlot, argument, flag, option
 from rubnoise.cli.plot import check_picture, write_picture
 from rubnoise.errors import Refused
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="A scenario file, or a result.", metavar="FILE")],
+    file: Annotated[Path, argument("FILE", "A scenario file, or a result.")],
     picture: Annotated[
-        Path | None,
-        typer.Argument(help="The file of --plot; default: FILE_theory.png, in this folder.", metavar="PICTURE"),
+        Path | None, argument("PICTURE", "The file of --plot; default: FILE_theory.png, in this folder.")
     ] = None,
     *,
     changes: Changes = None,
     wavenumbers: Annotated[
-        list[str] | None,
-        typer.Option("--at-wavenumber", help="Wavenumbers of the spectrum, in rad/um.", metavar="K,..."),
+        list[str] | None, option("K,...", "Wavenumbers of the spectrum, in rad/um.", "--at-wavenumber")
     ] = None,
-    lags: Annotated[
-        list[str] | None, typer.Option("--at-lag", help="Lags of the autocovariance, in um.", metavar="S,...")
-    ] = None,
-    areas: Annotated[
-        list[str] | None, typer.Option("--at-area", help="Areas of the distribution, in um^2.", metavar="A,...")
-    ] = None,
+    lags: Annotated[list[str] | None, option("S,...", "Lags of the autocovariance, in um.", "--at-lag")] = None,
+    areas: Annotated[list[str] | None, option("A,...", "Areas of the distribution, in um^2.", "--at-area")] = None,
     distances: Annotated[
-        list[str] | None,
-        typer.Option("--at-distance", help="Distances for the means after an empty start, in um.", metavar="S,..."),
+        list[str] | None, option("S,...", "Distances for the means after an empty start, in um.", "--at-distance")
     ] = None,
     segment: Annotated[
-        int | None,
-        typer.Option(
-            "--segment", help="Add the expected result of Welch's method with segments of N ticks.", metavar="N"
-        ),
+        int | None, option("N", "Add the expected result of Welch's method with segments of N ticks.", "--segment")
     ] = None,
-    white: Annotated[
-        bool, typer.Option("--white", help="Add white noise of the same level at low frequency (Kilburn).")
-    ] = False,
-    as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV, one row per number.")] = False,
+    white: Annotated[bool, flag("Add white noise of the same level at low frequency (Kilburn).", "--white")] = False,
+    as_csv: Annotated[bool, flag("Print CSV, one row per number.", "--csv")] = False,
     as_json: AsJson = False,
-    plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
+    plot: Annotated[bool, flag("Draw it into a png, pdf or svg file.", "--plot")] = False,
     force: ReplacePlot = False,
 ) -> None:
     """Print the exact values of a scenario.
