@@ -17,8 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "src")]
 
 from rubnoise.analysis.comparison import compare  # noqa: E402
-from rubnoise.analysis.findings import Comparison  # noqa: E402
-from rubnoise.analysis.scores import FAMILY_WISE_ERROR  # noqa: E402
+from rubnoise.analysis.findings import FAMILY_WISE_ERROR, Comparison  # noqa: E402
 from rubnoise.model import Model  # noqa: E402
 from rubnoise.record.reader import MemoryRecord  # noqa: E402
 from rubnoise.scenario import loads  # noqa: E402

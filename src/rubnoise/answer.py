@@ -6,6 +6,7 @@ tables (curves), and it is true unless a row fails. One renderer each makes text
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import groupby
 from math import isfinite
 from textwrap import fill
@@ -164,12 +165,12 @@ class Answer:
         for table in tables.values():
             lines += ["", *filter(None, [table.name.replace("_", " ")]), *_table_lines(table, widest)]
         for note in self.notes:
-            lines.append(_sentence(note if note.startswith("warning: ") else f"note: {note}", width, "  "))
+            lines.append(sentence(note if note.startswith("warning: ") else f"note: {note}", width, "  "))
         return "\n".join([*lines, "", *self._verdict(width)] if self.judged else lines)
 
     def _verdict(self, width: int) -> Iterator[str]:
         found = "passed" if self else f"not passed: {', '.join(self.failing)}"
-        yield _sentence(f"{found} ({self.judged})" if not self else f"{found}: {self.judged}", width, "")
+        yield sentence(f"{found} ({self.judged})" if not self else f"{found}: {self.judged}", width, "")
 
     def __repr__(self) -> str:
         return self.to_text()
@@ -218,6 +219,12 @@ def size(count: float) -> str:
     return f"{count:.3g} TB"
 
 
+def length(um: float, digits: int = 2) -> str:
+    """Return a sliding distance, with a number of digits, in the unit that suits it."""
+    unit, size = next(((unit, size) for unit, size in (("m", 1e6), ("mm", 1e3)) if um >= size), ("um", 1.0))
+    return f"{float(f'{um / size:.{digits}g}'):,.10g} {unit}"
+
+
 def _part_lines(part: str, rows: Sequence[Row], width: int) -> Iterator[str]:
     """Yield the rows of a part under its name and the heads of what stands beside its values."""
     heads = [name for name in BESIDE if any(getattr(row, name) is not None for row in rows)]
@@ -232,17 +239,17 @@ def _part_lines(part: str, rows: Sequence[Row], width: int) -> Iterator[str]:
 def _row_lines(row: Row, heads: Sequence[str], width: int) -> Iterator[str]:
     label = f"  {printable(row.name).replace('_', ' ')}"
     if row.value is None:
-        yield _sentence(f"{label.strip()}: {row.note}", width, "  ")
+        yield sentence(f"{label.strip()}: {row.note}", width, "  ")
         return
     if not heads:
         note = f" ({row.note})" if row.note else ""
-        yield _sentence(f"{label:<{LABEL - 1}} {shown(row.value, row.unit)}{note}", width, "", " " * LABEL)
+        yield sentence(f"{label:<{LABEL - 1}} {shown(row.value, row.unit)}{note}", width, "", " " * LABEL)
     else:
         label += f" ({row.unit})" if row.unit else ""
         cells = "".join(f"{_cell(name, getattr(row, name)):>{BESIDE[name][0]}}" for name in heads)
         number = f"{shown(row.value):>{NUMBER}}{cells}{' *' if row.fails else ''}"
         yield from _above_or_beside(label, number, width)
-        yield from [_sentence(row.note, width, "    ")] if row.note else []
+        yield from [sentence(row.note, width, "    ")] if row.note else []
 
 
 def _above_or_beside(label: str, numbers: str, width: int) -> list[str]:
@@ -276,17 +283,13 @@ def _cell(name: str, value: Any) -> str:
     return text if len(text) < BESIDE[name][0] else f"{value:+.0e}"
 
 
-def _sentence(text: str, width: int, indent: str, others: str | None = None) -> str:
+_between_words: Final = partial(fill, break_long_words=False, break_on_hyphens=False)
+
+
+def sentence(text: str, width: int, indent: str, others: str | None = None) -> str:
+    """Return a sentence broken between words, with an indent, and a deeper one of all lines but the first."""
     others = f"{indent}  " if others is None else others
-    return fill(
-        printable(text),
-        width,
-        initial_indent=indent,
-        subsequent_indent=others,
-        break_long_words=False,
-        break_on_hyphens=False,
-        drop_whitespace=True,
-    )
+    return _between_words(printable(text), width, initial_indent=indent, subsequent_indent=others)
 
 
 def _csv(*cells: Any) -> str:

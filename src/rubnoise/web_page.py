@@ -49,6 +49,17 @@ def web_page(
     return filled(_FRAME, values)
 
 
+def report_page(title: str, sections: Mapping[str, str], below: str = "") -> str:
+    """Return a page of sections by their headings, those that have content; on paper those with sound are left out."""
+    shown = (
+        f'<section class="{"on-screen" if "<audio" in content else ""}"><h2>{escape(heading)}</h2>{content}</section>'
+        for heading, content in sections.items()
+        if content
+    )
+    body = "\n".join(["<main>", f"<h1>{escape(title)}</h1>", f"<p>{escape(below)}</p>", *shown, "</main>"])
+    return web_page(body, title=title, styles=[part("rubnoise.figures", "report.css")])
+
+
 def filled(text: str, values: Mapping[str, str]) -> str:
     """Return a text with each ``@name@`` replaced by its value; a value is not searched for further names."""
     return "".join(values[piece] if i % 2 else piece for i, piece in enumerate(text.split("@")))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.pages.whole_run import CELLS
+from rubnoise.pages.statistics import CELLS
 from tests.cli.terminal import call
 from tests.lesson import walk as lesson
 from tests.lesson.walk import painted, until

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from rubnoise.analysis.covariance import CovarianceSum
-from rubnoise.analysis.histogram import histogram
-from rubnoise.analysis.kolmogorov import distance_tail, kolmogorov_figure, sample_distance
+from rubnoise.analysis.findings import distance_tail, kolmogorov_figure, sample_distance
 from rubnoise.analysis.moments import covariance_errors
 from rubnoise.analysis.records import (
     FEWEST_BATCHES,
+    CovarianceSum,
     RecordTooShort,
     batch_length,
+    histogram,
     integrated_autocorrelation,
 )
 from rubnoise.theory.second_order import area_noise

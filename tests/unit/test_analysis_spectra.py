@@ -11,9 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rubnoise.analysis.covariance import CovarianceSum, autocovariance
-from rubnoise.analysis.histogram import HistogramSum
-from rubnoise.analysis.resampling import (
+from rubnoise.analysis.records import CovarianceSum, HistogramSum, autocovariance
+from rubnoise.analysis.sound import (
     CROSSINGS,
     PASSED,
     RIPPLE,

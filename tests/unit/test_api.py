@@ -12,8 +12,8 @@ import xarray as xr
 
 import rubnoise
 from rubnoise import Junction
+from rubnoise.analysis.findings import from_attributes
 from rubnoise.analysis.run_summary import CURVES, curve_theory
-from rubnoise.analysis.scores import from_attributes
 from rubnoise.contact.pulses import LENS
 from rubnoise.errors import RunFileRefused, RunStopped, ScenarioRefused
 from rubnoise.record.rows import JunctionState

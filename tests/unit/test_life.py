@@ -14,7 +14,7 @@ from rubnoise.analysis.life import Life, life_of
 from rubnoise.contact.pulses import LENS
 from rubnoise.errors import RunFileRefused
 from rubnoise.figures import style
-from rubnoise.figures.life import life_png
+from rubnoise.figures.contact import life_png
 from rubnoise.storage.reader import RunFile, open_run
 from tests.architecture.sources import ROOT
 from tests.unit.tampering import BIRTH, DEPARTURE, DIAMETER, STRENGTH, bare_file, lives_file

@@ -6,17 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rubnoise.analysis import findings
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.figures import summarise
-from rubnoise.analysis.findings import (
-    NORMAL,
-    Tail,
-    judged_mean,
-    tail_of,
-    tail_of_squares,
-)
 from rubnoise.analysis.moments import FEWEST_LIVES, missing_for_motion
-from rubnoise.analysis.scores import family_wise_bound, figure, normal_deviate
 from rubnoise.answer import Row
 from rubnoise.contact.distributions import Exponential, Gamma, Lognormal
 from rubnoise.contact.laws import Spread
@@ -50,7 +43,7 @@ def _tally(run: Model, seed: int = 1) -> Tally:
 
 
 def _figures(run: Model, tally: Tally | None = None) -> dict[str, Row]:
-    return {figure.name: figure for figure in summarise(run, _tally(run) if tally is None else tally)}
+    return {each.name: each for each in summarise(run, _tally(run) if tally is None else tally)}
 
 
 def test_exact_values_are_those_of_figure_5() -> None:
@@ -75,7 +68,7 @@ def test_exact_values_are_those_of_figure_5() -> None:
 
 
 def _promised(run: Model) -> set[str]:
-    return {name for name, figure in _figures(run).items() if figure.error is not None}
+    return {name for name, each in _figures(run).items() if each.error is not None}
 
 
 def test_an_empty_start_promises_nothing() -> None:
@@ -140,9 +133,9 @@ def test_a_run_too_short_for_its_motion_says_what_it_needs() -> None:
 def test_a_run_agrees_with_its_theory_and_not_with_another() -> None:
     run = bare(distance=40_000.0, tick=0.5)
     tally = _tally(run, seed_of("summary/agreement"))
-    promised = [figure for figure in summarise(run, tally) if figure.z is not None]
+    promised = [each for each in summarise(run, tally) if each.z is not None]
     assert len(promised) == 5
-    assert all(abs(figure.z or 0.0) <= 4.0 for figure in promised)
+    assert all(abs(each.z or 0.0) <= 4.0 for each in promised)
     other = bare(distance=40_000.0, tick=0.5, area=215.0)
     score = _figures(other, tally)["real_contact_area_mean"].z
     assert score is not None
@@ -150,7 +143,7 @@ def test_a_run_agrees_with_its_theory_and_not_with_another() -> None:
 
 
 # Measured beside exact: scores, and the way into a file and back.
-FULL = figure("real_contact_area_mean", 206.0, 204.0, 0.5)
+FULL = findings.figure("real_contact_area_mean", 206.0, 204.0, 0.5)
 
 
 def test_a_score_counts_standard_errors() -> None:
@@ -162,16 +155,16 @@ def test_a_score_counts_standard_errors() -> None:
     [(1.0, 0.0013499, 3.0), (0.0013499, 1.0, -3.0), (0.7, 0.6, 0.0), (0.0, 1.0, -37.05), (1.0, 0.0, 37.05)],
 )
 def test_a_deviate_has_the_tail_of_the_figure(below: float, above: float, z: float) -> None:
-    assert normal_deviate(below, above) == pytest.approx(z, abs=0.01)
+    assert findings.normal_deviate(below, above) == pytest.approx(z, abs=0.01)
 
 
 def test_the_bound_of_a_family_is_bonferronis() -> None:
     from scipy.special import ndtr
 
     for count in (1, 40, 1000):
-        assert 2.0 * count * ndtr(-family_wise_bound(count)) == pytest.approx(1e-3)
-    assert family_wise_bound(10, 0.05) == pytest.approx(2.807, abs=1e-3)
-    assert family_wise_bound(0) == family_wise_bound(1)
+        assert 2.0 * count * ndtr(-findings.family_wise_bound(count)) == pytest.approx(1e-3)
+    assert findings.family_wise_bound(10, 0.05) == pytest.approx(2.807, abs=1e-3)
+    assert findings.family_wise_bound(0) == findings.family_wise_bound(1)
 
 
 # Sums that their largest junctions rule: how skewed they are, and right runs that hold such a junction.
@@ -185,7 +178,7 @@ def births(model: Model) -> float:
 def test_exponential_sizes_have_the_skewness_of_their_moments() -> None:
     """E[d^n] = n!; what is too rare for the record to hold is 1e-5 of a junction, and takes little from the third."""
     model = model_of(Exponential(mean=5.0), 5.0)
-    assert tail_of(model, LENGTH, 1).skewness == pytest.approx(6.0 / 2.0**1.5 / births(model) ** 0.5, rel=0.01)
+    assert findings.tail_of(model, LENGTH, 1).skewness == pytest.approx(6.0 / 2.0**1.5 / births(model) ** 0.5, rel=0.01)
 
 
 @pytest.mark.slow
@@ -197,23 +190,22 @@ def test_sums_that_are_drawn_are_as_skewed() -> None:
     sums = np.add.reduceat(cubes, np.concatenate([[0], np.cumsum(numbers)[:-1]]))
     z = (sums - sums.mean()) / sums.std()
     seen, error = float(np.mean(z**3)), float(np.std(z**3) / z.size**0.5)
-    tail = tail_of(model_of(law, 1.0, mean_count=2.0), 200.0, 3)
+    tail = findings.tail_of(model_of(law, 1.0, mean_count=2.0), 200.0, 3)
     assert abs(seen - tail.skewness) <= 4.0 * error
-    assert abs(seen - NORMAL.skewness) > 5.0 * error
+    assert abs(seen - findings.NORMAL.skewness) > 5.0 * error
 
 
 def test_squares_of_a_wide_law_need_more_draws_than_those_of_a_narrow_one() -> None:
-    wide = tail_of_squares(Lognormal(mean=5.0, std=5.0), 5.0, 1000.0, 500.0)
-    narrow = tail_of_squares(Lognormal(mean=5.0, std=0.5), 5.0, 1000.0, 500.0)
+    wide = findings.tail_of_squares(Lognormal(mean=5.0, std=5.0), 5.0, 1000.0, 500.0)
+    narrow = findings.tail_of_squares(Lognormal(mean=5.0, std=0.5), 5.0, 1000.0, 500.0)
     assert narrow.needed == 0.0
     assert wide.needed > 500.0
     assert wide.skewness > narrow.skewness
 
 
 def test_a_skewed_mean_is_scored_on_its_own_scale() -> None:
-    high, low = (
-        judged_mean("x", value, 0.0, 1.0, length=10.0, tail=Tail(skewness=0.3, needed=0.0)) for value in (5.0, -5.0)
-    )
+    tail = findings.Tail(skewness=0.3, needed=0.0)
+    high, low = (findings.judged("x", value, 0.0, 1.0, length=10.0, skewness=0.0, tail=tail) for value in (5.0, -5.0))
     assert high.z == pytest.approx(10.0 * np.log1p(0.5))
     assert low.z == -5.0
 
@@ -233,4 +225,4 @@ def test_a_right_run_that_holds_one_huge_junction_is_accepted() -> None:
 def test_a_row_of_an_answer_has_the_score_and_the_unit() -> None:
     row = {"value": 206.0, "unit": "um^2", "exact": 204.0, "error": 0.5, "z": 4.0}
     assert FULL.to_json() == row
-    assert figure("events", 73084.0, None, None).to_json() == {"value": 73084.0}
+    assert findings.figure("events", 73084.0, None, None).to_json() == {"value": 73084.0}

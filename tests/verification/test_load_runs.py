@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 import rubnoise
 from rubnoise.analysis.figures import summarise
-from rubnoise.analysis.third_octaves import heard_bands
+from rubnoise.analysis.spectra import heard_bands
 from rubnoise.contact.distributions import Lognormal
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import MemoryRecord

@@ -12,8 +12,7 @@ import pytest
 from scipy.signal import firwin, resample_poly
 
 import rubnoise
-from rubnoise.analysis.resampling import CROSSINGS, PASSED, output_count, resampled
-from rubnoise.analysis.sound import Sound, level_of, samples_of
+from rubnoise.analysis.sound import CROSSINGS, PASSED, Sound, level_of, output_count, resampled, samples_of
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.wave_file import STEPS

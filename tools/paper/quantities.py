@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from rubnoise.analysis.covariance import autocovariance as sample_autocovariance
+from rubnoise.analysis.records import autocovariance as sample_autocovariance
 from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths

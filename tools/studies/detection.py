@@ -18,9 +18,8 @@ from parts import fill, table
 
 from rubnoise.analysis.births import central_moments
 from rubnoise.analysis.comparison import compare
-from rubnoise.analysis.findings import NORMAL, judged, judged_mean, poisson_figure
+from rubnoise.analysis.findings import family_wise_bound, judged, poisson_figure
 from rubnoise.analysis.moments import needed_for_mean
-from rubnoise.analysis.scores import family_wise_bound
 from rubnoise.answer import Row
 from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.distributions import Fixed
@@ -144,7 +143,7 @@ def scores(right: Model, wrong: Model, length: float) -> dict[str, float]:
     still = mean_displacement_error(right, length)
 
     def mean(name: str, right: float, wrong: float, error: float) -> Row:
-        return judged_mean(name, _nearer(right, wrong, error), right, error, length=length, tail=NORMAL)
+        return judged(name, _nearer(right, wrong, error), right, error, length=length, skewness=0.0)
 
     def square(name: str, right: float, wrong: float, error: float) -> Row:
         return judged(name, _nearer(right, wrong, error), right, error, length=length)

@@ -21,7 +21,7 @@ import numpy as np
 from parts import fill, table
 from scipy.special import stdtr
 
-from rubnoise.analysis.scores import normal_deviate
+from rubnoise.analysis.findings import normal_deviate
 from rubnoise.model import Model, Separation
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.rows import ContactKind

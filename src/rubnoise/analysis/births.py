@@ -10,17 +10,20 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.analysis.findings import (
+    FEWEST,
     LARGEST_SKEWNESS,
+    figure,
     identity,
     judged,
+    kolmogorov_figure,
+    normal_deviate,
     poisson_figure,
+    sample_distance,
     tail_of_squares,
     too_short,
 )
-from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
 from rubnoise.analysis.measured import STRETCHES, MeasuredRun
 from rubnoise.analysis.records import longer
-from rubnoise.analysis.scores import figure, normal_deviate
 from rubnoise.answer import Row, left_out
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths

@@ -13,6 +13,7 @@ from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.births import ROUNDING, births, marks, scattered, start, sums
 from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
 from rubnoise.analysis.findings import (
+    FEWEST,
     LARGEST_ERROR,
     LARGEST_TAIL_SKEWNESS,
     Comparison,
@@ -20,11 +21,11 @@ from rubnoise.analysis.findings import (
     comparison,
     identity,
     judged,
-    judged_mean,
+    kolmogorov_figure,
+    sample_distance,
     tail_of,
     too_short,
 )
-from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
 from rubnoise.analysis.measured import STRETCHES, MeasuredRun, measured_run
 from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, needed_for_mean, over_ticks, slowest_decay
 from rubnoise.analysis.records import RecordTooShort, longer
@@ -155,7 +156,7 @@ def _zero_share(seen: MeasuredRun) -> Row:
     needed = max(longer(length, relative, LARGEST_ERROR), longer(length, abs(skewness), LARGEST_TAIL_SKEWNESS))
     tail = Tail(skewness=skewness, needed=needed if needed > length else 0.0)
     value = seen.zero_ticks / seen.ticks()
-    return judged_mean(name, value, exact, error, length=length, tail=tail)
+    return judged(name, value, exact, error, length=length, skewness=0.0, tail=tail)
 
 
 def _distance(seen: MeasuredRun, *, in_contact: bool) -> Row:
@@ -204,7 +205,8 @@ def mean_force(seen: MeasuredRun) -> Iterator[Row]:
     share = found.distance / (found.speed * found.time)
     expected = force_cumulants(model).mean * share + found.expected_excess()
     error, tail = mean_force_error(model, model.distance) * share, tail_of(model, model.distance, 3, 1)
-    yield judged_mean("mean_force", found.mean_force, expected, error, length=model.distance, tail=tail)
+    value = found.mean_force
+    yield judged("mean_force", value, expected, error, length=model.distance, skewness=0.0, tail=tail)
 
 
 def motion(seen: MeasuredRun) -> Iterator[Row]:

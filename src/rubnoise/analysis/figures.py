@@ -12,9 +12,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.analysis import scores
+from rubnoise.analysis import findings
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.findings import judged, judged_mean, tail_of
+from rubnoise.analysis.findings import SKEWNESS, judged, tail_of
 from rubnoise.analysis.measured import MeasuredRun
 from rubnoise.analysis.moments import FEWEST_DECAYS, FEWEST_LIVES, decays_of, over_ticks
 from rubnoise.answer import Row
@@ -250,10 +250,8 @@ def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Row]:
             continue
         value, exact = getattr(found, figure.moment), figure.exact(model)
         tail, error = tail_of(model, length, *figure.powers), errors[figure.error]
-        if figure.moment == "mean":
-            yield judged_mean(figure.name, value, exact, error, length=length, tail=tail)
-        else:
-            yield judged(figure.name, value, exact, error, length=length, scale=figure.scale, tail=tail)
+        scale, skewness = figure.scale, 0.0 if figure.moment == "mean" else SKEWNESS
+        yield judged(figure.name, value, exact, error, length=length, scale=scale, skewness=skewness, tail=tail)
 
 
 # A summary.
@@ -269,7 +267,7 @@ def summarise(model: Model, tally: Tally) -> list[Row]:
         moved = _two_way_motion(model, tally)
         found = kept | {name: (value, theory[name][0] if name in theory else exact) for name, (value, exact) in moved}
     errors = {name: error for name, (_, error) in theory.items()}
-    return [scores.figure(name, value, exact, errors.get(name)) for name, (value, exact) in found.items()]
+    return [findings.figure(name, value, exact, errors.get(name)) for name, (value, exact) in found.items()]
 
 
 @lru_cache(maxsize=8)

@@ -1,19 +1,20 @@
-"""The findings of a comparison with theory: figures with scores, identities, and figures left out.
+"""The findings of a comparison with theory: figures with scores, distances from laws, identities, and figures left out.
 
-A number and its standard error become a figure with a score, or a reason why it has none.
+A number and its standard error become a figure with a score, or a reason why it has none; a score is how far the
+measured value is from the exact one, in standard errors.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite, log1p
+from math import inf, isfinite, log1p, sqrt
 from typing import Final, Protocol
 
 import numpy as np
 
 from rubnoise.analysis.records import longer
-from rubnoise.analysis.scores import FAMILY_WISE_ERROR, family_wise_bound, figure, normal_deviate
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles
+from rubnoise.figure_names import unit_of
 from rubnoise.model import Model
 from rubnoise.streams import LARGEST_UNIFORM
 
@@ -180,36 +181,23 @@ def judged(
     skewness: float = SKEWNESS,
     tail: Tail = NORMAL,
 ) -> Row:
-    """Return a figure with its score, or the length that it needs if its error exceeds a tenth of its ``scale``.
+    """Return a figure with its score, or the length that it needs if its law is not close enough to normal for one.
 
-    The scale is the expected value if none is given; ``length`` (um) is that of the record. Estimates of squares
-    have a longer upper tail, with a skewness of ``skewness`` times the error over the scale. So has a sum that its
-    largest junctions dominate, and its ``tail`` may need a longer record, too. The larger skewness counts.
+    The error of an estimate of squares may be a tenth of its ``scale``, the expected value if none is given, and its
+    upper tail is longer, with a skewness of ``skewness`` times the error over the scale; of a mean it is 0. A sum that
+    its largest junctions dominate has a ``tail``, too, which may need more than the ``length`` (um) of the record. The
+    larger skewness g counts: on the side of the longer tail, above the expected value for g > 0 and below it for
+    g < 0, the score is (3/g) log(1 + g z/3), that of a lognormal law.
     """
-    relative = error / abs(expected if scale is None else scale) if error else 0.0
-    if not relative <= LARGEST_ERROR:
-        return too_short(name, max(longer(length, relative, LARGEST_ERROR), tail.needed))
-    return judged_mean(
-        name,
-        observed,
-        expected,
-        error,
-        length=length,
-        tail=Tail(skewness=max(skewness * relative, tail.skewness), needed=tail.needed),
-    )
-
-
-def judged_mean(name: str, observed: float, expected: float, error: float, *, length: float, tail: Tail) -> Row:
-    """Return a figure with its score, or the length that it needs if its ``tail`` is too heavy for a score.
-
-    On the side of the longer tail, above the expected value for a skewness g > 0 and below it for g < 0, the score is
-    (3/g) log(1 + g z/3), that of a lognormal law of the tail's skewness g.
-    """
-    if tail.needed > length:
-        return too_short(name, tail.needed)
-    z = (observed - expected) / error if error else None
-    if z is not None and z * tail.skewness > 0.0:
-        third = tail.skewness / 3.0
+    relative = error / abs(expected if scale is None else scale) if error and skewness else 0.0
+    needed = max(0.0 if relative <= LARGEST_ERROR else longer(length, relative, LARGEST_ERROR), tail.needed)
+    if not needed <= length:
+        return too_short(name, needed)
+    z, skewed = (observed - expected) / error if error else None, tail.skewness
+    if skewness:
+        skewed = max(skewness * relative, skewed)
+    if z is not None and z * skewed > 0.0:
+        third = skewed / 3.0
         z = log1p(third * z) / third
     return figure(name, observed, expected, error, z)
 
@@ -229,3 +217,137 @@ def poisson_figure(name: str, observed: int, mean: float) -> Row:
         above = float(pdtrc(observed - 1, mean)) if observed else 1.0
         deviate = normal_deviate(float(pdtr(observed, mean)), above)
     return figure(name, float(observed), mean, mean**0.5, deviate)
+
+
+FEWEST = 10
+"""Independent values from which a distance is given at all."""
+
+_BINS = 1 << 18
+_EXACT_UP_TO = 1000  # the limit's own error is some tenth of 1/sqrt(n)
+_CONTINUOUS = 1e-3  # atom up to which small distances are as improbable as those of a continuous law
+# Mean and standard deviation of D sqrt(n) for many values: sqrt(pi/2) ln 2, and sqrt(pi^2/12 - mean^2).
+_MEAN, _STD = 0.868731, 0.260333
+
+
+def kolmogorov_figure(name: str, distance: float, count: int, atom: float = 0.0) -> Row:
+    """Return the figure of the largest distance between the distribution functions of independent values and their law.
+
+    It has the mean and standard deviation of the distance for a right law. Its score is that of its tail probability; 0
+    for small distances of few values, since only a bound is known there. A law with an ``atom`` gives smaller
+    distances than a continuous one: the score of a large distance is safe, and a small one has the score 0.
+    Source: Feller (1948), doi:10.1214/aoms/1177730243.
+    """
+    tail = distance_tail(distance, count)
+    below = 1.0 - tail if count > _EXACT_UP_TO and atom <= _CONTINUOUS else 0.5
+    root = sqrt(count)
+    return figure(name, distance, _MEAN / root, _STD / root, normal_deviate(below, tail))
+
+
+def distance_tail(distance: float, count: int) -> float:
+    """Return P(D >= distance) for values of a continuous law: up to 1000 by the bound of both one-sided exact tails.
+
+    The bound is close to the probability if that is small. Beyond 1000 values Kolmogorov's limit is used.
+    """
+    from scipy.special import kolmogorov, smirnov
+
+    if count > _EXACT_UP_TO:
+        return float(kolmogorov(distance * sqrt(count)))
+    return min(1.0, 2.0 * float(smirnov(count, min(distance, 1.0))))
+
+
+def sample_distance(values: Doubles, heights: Doubles, atom: float = 0.0) -> float:
+    """Return D of values >= 0 at which the law's distribution function is ``heights``; at 0 it jumps to ``atom``."""
+    order = np.argsort(values)
+    at_zero = int((values == 0.0).sum())
+    risen = heights[order][at_zero:]
+    steps = np.arange(at_zero, values.size + 1) / values.size
+    zero = abs(float(steps[0]) - atom) if at_zero or atom else 0.0
+    if not risen.size:
+        return zero
+    return max(zero, float(np.max(steps[1:] - risen)), float(np.max(risen - steps[:-1])))
+
+
+class UniformSample:
+    """Values that should be uniform on [0, 1], counted in 2^18 bins, so that any number of them takes 2 MB.
+
+    Their distance is taken at the edges of the bins only: never more than D, and less by at most 2^-18 and the share of
+    a bin.
+    """
+
+    def __init__(self) -> None:
+        self._counts = np.zeros(_BINS, dtype=np.int64)
+
+    def add(self, values: Doubles) -> None:
+        """Add values."""
+        bins = np.minimum((np.clip(values, 0.0, 1.0) * _BINS).astype(np.int64), _BINS - 1)
+        self._counts += np.bincount(bins, minlength=_BINS)
+
+    @property
+    def count(self) -> int:
+        """Number of values."""
+        return int(self._counts.sum())
+
+    def distance(self) -> float:
+        """Return the largest distance of the values' distribution function from the diagonal."""
+        heights = np.cumsum(self._counts) / max(self.count, 1)
+        return float(np.max(np.abs(heights - np.arange(1, _BINS + 1) / _BINS)))
+
+
+EXACT, ERROR = "_exact", "_standard_error"
+
+FAMILY_WISE_ERROR = 1e-3
+"""Probability that any figure at all of a right run lies outside of the family-wise bound."""
+
+
+def figure(name: str, value: float, exact: float | None, error: float | None, z: float | None = None) -> Row:
+    """Return a measured figure beside its exact value and standard error, None if theory gives none.
+
+    The score z is the distance in standard errors, None if that is not known. It is given if the law of the figure is
+    far from normal, as for a small count: the value of a standard normal that is as improbable (see `normal_deviate`).
+    """
+    if z is None and exact is not None and error:
+        z = (value - exact) / error
+    return Row(name=name, value=value, unit=unit_of(name), exact=exact, error=error, z=z)
+
+
+def attributes_of(figures: Iterable[Row]) -> dict[str, float]:
+    """Return figures under their names, and their exact values and errors under these names with a suffix."""
+    found: dict[str, float] = {}
+    for each in figures:
+        beside = {each.name: each.value, each.name + EXACT: each.exact, each.name + ERROR: each.error}
+        found |= {name: value for name, value in beside.items() if value is not None}
+    return found
+
+
+def from_attributes(attributes: Mapping[str, object]) -> list[Row]:
+    """Return the figures of a result file's /summary, in its order."""
+    numbers = {name: float(value) for name, value in attributes.items() if isinstance(value, int | float)}
+    return [
+        figure(name, value, numbers.get(name + EXACT), numbers.get(name + ERROR))
+        for name, value in numbers.items()
+        if not name.endswith((EXACT, ERROR))
+    ]
+
+
+def normal_deviate(below: float, above: float) -> float:
+    """Return the z of a unit normal with the tail of a figure: P(values <= it) is ``below``, P(values >= it) ``above``.
+
+    The tail below 1/2 counts; if neither is below, z is 0, so a count is never called less probable than it is. Tails
+    below 1e-300 count as 1e-300, |z| = 37.
+    """
+    from scipy.special import ndtri
+
+    if above < 0.5:
+        return -float(ndtri(max(above, 1e-300)))
+    return float(ndtri(max(below, 1e-300))) if below < 0.5 else 0.0
+
+
+def family_wise_bound(count: int, error: float = FAMILY_WISE_ERROR) -> float:
+    """Return the bound on |z| within which ``count`` normal scores all lie with a probability of at least 1 - error.
+
+    P(|z| > bound) = error/count for each: Bonferroni's inequality, which holds however the scores depend on each other,
+    as the figures of one run do. Source: Miller, Simultaneous Statistical Inference (1981), section 1.
+    """
+    from scipy.special import ndtri
+
+    return -float(ndtri(0.5 * error / max(count, 1)))

@@ -8,8 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.analysis.reading import check_numbers
-from rubnoise.analysis.selection import Neighbours, neighbours
+from rubnoise.analysis.selection import Neighbours, check_numbers, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse, area_of
 from rubnoise.errors import Refused, RunFileRefused

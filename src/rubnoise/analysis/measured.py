@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.covariance import CovarianceSum
-from rubnoise.analysis.kolmogorov import UniformSample
+from rubnoise.analysis.findings import UniformSample
 from rubnoise.analysis.moments import first_stationary_tick, slowest_decay
-from rubnoise.analysis.reading import checked_chunks
+from rubnoise.analysis.records import CovarianceSum
+from rubnoise.analysis.selection import checked_chunks
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths

@@ -1,17 +1,21 @@
-"""Figures of a record, each with its standard error, or a refusal with the length that the record needs.
+"""A record: its autocovariance, its density, and figures with a standard error or the length that the record needs.
+
+numpy's transforms have the bits and the speed of scipy's, and importing scipy takes longer than all of numpy.
 
 Batch means give a standard error from the record alone: the means m of B parts are nearly independent, so the error of
 their mean is sqrt(sum of (m - mean)^2 / (B (B - 1))).
 Source: Law and Kelton, Simulation Modeling and Analysis, section 9.5.3.
 """
 
-from math import ceil, isfinite
+from dataclasses import dataclass
+from math import ceil, inf, isfinite
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from rubnoise.analysis.covariance import autocovariance
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.tables import fields_as_text
 
 
 class RecordTooShort(Refused):
@@ -82,3 +86,165 @@ def batch_length(values: Doubles, tick: float, what: str, estimate: object) -> i
     if length * FEWEST_BATCHES > values.size:
         raise RecordTooShort(what, estimate, length=values.size * tick, needed=needed)
     return min(ceil(length), values.size // FEWEST_BATCHES)
+
+
+def autocovariance(values: Doubles, reach: int) -> Doubles:
+    """Return the autocovariance of a record at lags of 0 to ``reach`` ticks, in the square of its unit.
+
+    R_j = (1/n) sum over i of (x_i - mean)(x_(i+j) - mean) of n values: dividing by n and not by n - j keeps the noise
+    of long lags small, and makes R_j smaller than its expectation by a part j/n, and by the variance of the mean.
+    Source: Priestley, Spectral Analysis and Time Series, section 5.3.
+    """
+    size = _fast_length(values.size + reach)
+    power = np.square(np.abs(np.fft.rfft(values - values.mean(), size)))
+    return np.asarray(np.fft.irfft(power, size)[: reach + 1] / values.size, dtype=np.float64)
+
+
+def _fast_length(least: int) -> int:
+    """Return the least power of two from ``least`` on, whose transform is fast."""
+    return 1 << (least - 1).bit_length()
+
+
+_STRETCHES_A_REACH = 4
+_SHORTEST = 4096
+
+
+class CovarianceSum:
+    """Autocovariances at lags of 0 to ``reach`` ticks of a stream of values, which may come in pieces of any size.
+
+    ``centre`` is about the mean, so that nothing is lost to cancellation. Memory holds a few times ``reach`` values,
+    however long the stream is.
+    """
+
+    def __init__(self, reach: int, centre: float) -> None:
+        self._reach = reach
+        self._centre = centre
+        self._stretch = max(_SHORTEST, _STRETCHES_A_REACH * reach)
+        self._held: list[Doubles] = []
+        self._waiting = 0
+        self._head = np.empty(0)
+        self._tail = np.zeros(reach)
+        self._size = _fast_length(self._stretch + reach)
+        self._waves = np.zeros(self._size // 2 + 1, dtype=np.complex128)
+        self._count = 0
+        self._total = 0.0
+
+    def add(self, values: Doubles) -> None:
+        """Add the next values."""
+        new = values - self._centre
+        if self._head.size < self._reach:
+            self._head = np.concatenate([self._head, new[: self._reach - self._head.size]])
+        self._count += new.size
+        self._total += float(np.add.reduce(new))
+        self._held.append(new)
+        self._waiting += new.size
+        if self._waiting >= self._stretch:
+            self._multiply()
+
+    def _multiply(self) -> None:
+        """Add the products of values in memory with each other and with earlier ones: an overlap-save correlation."""
+        row = np.concatenate([self._tail, *self._held])
+        self._held, self._waiting = [], 0
+        for first in range(self._reach, row.size, self._stretch):
+            part = row[first : first + self._stretch]
+            around = row[first - self._reach : first + part.size]
+            self._waves += np.conj(np.fft.rfft(part, self._size)) * np.fft.rfft(around, self._size)
+        self._tail = row[row.size - self._reach :]
+
+    def covariances(self) -> Doubles:
+        """Return the mean of (x_i - mean)(x_(i+j) - mean) over the n - j pairs of each lag j; nan for a lag without."""
+        self._multiply()
+        products = np.fft.irfft(self._waves, self._size)[self._reach :: -1]
+        pairs = np.maximum(self._count - np.arange(self._reach + 1), 0).astype(np.float64)
+        mean = self._total / max(self._count, 1)
+        head = np.pad(self._head, (0, self._reach - self._head.size))
+        missing = np.concatenate([[0.0], np.cumsum(head + self._tail[::-1])])
+        ends = 2.0 * self._total - missing
+        return (products - mean * ends) / np.where(pairs > 0.0, pairs, np.nan) + mean * mean
+
+
+BINS = 60
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Histogram:
+    """A density over bins: ``edges`` in the unit of the quantity, density and standard error in one over it.
+
+    The density is the mean over its bin. Values outside of the edges are in no bin, so the density adds up to less than
+    1 if there are any; ``outside`` is their share.
+    """
+
+    edges: Doubles
+    density: Doubles
+    standard_error: Doubles
+    outside: float
+
+    def __repr__(self) -> str:
+        return fields_as_text(self)
+
+    @property
+    def middles(self) -> Doubles:
+        """The middles of the bins."""
+        return 0.5 * (self.edges[1:] + self.edges[:-1])
+
+
+def histogram(values: Doubles, tick: float, edges: ArrayLike | int = BINS) -> Histogram:
+    """Return the density of a record of equal ticks (um) over bins: their edges, or their number over its range.
+
+    The error of a bin is that of batch means: the scatter of the bin's share over stretches of the record. Raises
+    RecordTooShort, with the Histogram without errors, if the record has too few stretches, and ValueError for edges
+    that do not increase.
+    """
+    bounds = _edges(values, edges)
+    total = HistogramSum(bounds, values.size)
+    total.add(values)
+    total = HistogramSum(bounds, batch_length(values, tick, "histogram", total.histogram()))
+    total.add(values)
+    return total.histogram()
+
+
+def _edges(values: Doubles, edges: ArrayLike | int) -> Doubles:
+    if not isinstance(edges, int):
+        bounds = np.asarray(edges, dtype=np.float64)
+        if bounds.ndim != 1 or bounds.size < 2 or not bool(np.all(np.diff(bounds) > 0.0)):
+            raise ValueError("the edges of a histogram must rise")
+        return bounds
+    low, high = float(values.min()), float(values.max())
+    return np.linspace(low, high if high > low else low + 1.0, edges + 1)
+
+
+class HistogramSum:
+    """The density of a stream of values over bins, which may come in pieces of any size.
+
+    ``batch`` is the number of values of a stretch that is nearly independent of the next: errors come from the scatter
+    of such stretches.
+    """
+
+    def __init__(self, edges: Doubles, batch: int) -> None:
+        self._edges, self._batch, self._taken = edges, batch, 0
+        self._rest = np.empty(0)
+        self._sums = np.zeros((2, edges.size - 1))
+
+    def add(self, values: Doubles) -> None:
+        """Add the next values."""
+        row, self._taken = np.concatenate([self._rest, values]), self._taken + values.size
+        whole = row.size // self._batch * self._batch
+        for part in row[:whole].reshape(-1, self._batch):
+            share = self._share(part)
+            self._sums += share, np.square(share)
+        self._rest = row[whole:]
+
+    def _share(self, part: Doubles) -> Doubles:
+        return np.asarray(np.histogram(part, self._edges)[0] / self._batch, dtype=np.float64)
+
+    def histogram(self) -> Histogram:
+        """Return the density so far; errors are inf before the thirtieth stretch is complete."""
+        stretches, width = self._taken // self._batch, np.diff(self._edges)
+        share = (self._sums[0] + self._share(self._rest)) * (self._batch / max(self._taken, 1))
+        error = np.full(width.size, inf)
+        if stretches >= FEWEST_BATCHES:
+            mean, square = self._sums / stretches
+            error = np.sqrt(np.maximum(square - mean**2, 0.0) / (stretches - 1))
+        return Histogram(
+            edges=self._edges, density=share / width, standard_error=error / width, outside=1.0 - float(share.sum())
+        )

@@ -13,10 +13,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.covariance import CovarianceSum
 from rubnoise.analysis.figures import summarise
-from rubnoise.analysis.histogram import HistogramSum
 from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors
+from rubnoise.analysis.records import CovarianceSum, HistogramSum
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, bands_of, hann
 from rubnoise.answer import Row
 from rubnoise.arrays import Doubles

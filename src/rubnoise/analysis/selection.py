@@ -1,19 +1,19 @@
 """Select junctions of a result file: by a condition, or because they live in a stretch of sliding.
 
-Rows are read in chunks, to limit memory.
+Rows are read in chunks, to limit memory, and checked when they are read.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.reading import check_numbers
 from rubnoise.analysis.where import Condition
 from rubnoise.arrays import CHUNK_ROWS, Doubles, slices
 from rubnoise.contact.pulses import Pulse, area_of, half_life
+from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows, chunks
 from rubnoise.record.rows import refuse_touches
 from rubnoise.storage.life_curve import stored_pulse
@@ -161,3 +161,27 @@ def _neighbours_in(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
         pulse=stored_pulse(file.provenance["scenario_resolved"]),
         offset=columns.get("lateral_offset"),
     )
+
+
+CHECKED_ROWS: Final = 1 << 18
+"""Rows that a comparison reads at once: it sums up each chunk by itself, so its last bits depend on them."""
+
+
+def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+    """Yield the named columns that a group has from its first row to its last, a chunk at a time.
+
+    Raises RunFileRefused for a number that is not finite and a diameter that is not positive.
+    """
+    for chunk in chunks(rows, group, CHECKED_ROWS):
+        found = {name: chunk[name] for name in names if name in rows.columns[group]}
+        check_numbers(group, range(chunk.first, chunk.end), found)
+        yield found
+
+
+def check_numbers(group: str, rows: Sequence[int] | NDArray[np.int64], columns: Mapping[str, NDArray[Any]]) -> None:
+    """Raise RunFileRefused, naming the first of some rows, if a number is not finite or a diameter not positive."""
+    for name, values in columns.items():
+        right = np.isfinite(values) if name != "diameter" else np.isfinite(values) & (values > 0.0)
+        if not right.all():
+            first = int(np.argmin(right))
+            raise RunFileRefused(f"/{group} is damaged: row {rows[first]} has the {name} {values[first]:g}")

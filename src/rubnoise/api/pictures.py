@@ -159,14 +159,14 @@ def appearance(
 
 def drawn_fit(found: InferenceResult) -> "Figure":
     """Draw what an inference found and return its figure (see rubnoise.Inference.plot)."""
-    from rubnoise.figures.inference import figure
+    from rubnoise.figures.measurements import figure
 
     return figure(found)
 
 
 def page_of_fit(found: InferenceResult, name: str, text: str) -> str:
     """Return the page of an inference (see rubnoise.Inference.report)."""
-    from rubnoise.figures.inference import page
+    from rubnoise.figures.measurements import page
 
     return page(found, name, text)
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from rubnoise.analysis.scores import from_attributes
+from rubnoise.analysis.findings import from_attributes
 from rubnoise.answer import Answer, Row
 from rubnoise.api.column_group import (
     Columns,

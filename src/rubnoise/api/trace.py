@@ -11,9 +11,7 @@ from typing import Any, Final, Self, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.analysis.covariance import autocovariance
-from rubnoise.analysis.histogram import BINS, Histogram, histogram
-from rubnoise.analysis.records import RecordTooShort
+from rubnoise.analysis.records import BINS, Histogram, RecordTooShort, autocovariance, histogram
 from rubnoise.api import keywords
 from rubnoise.api.columns import Column, Table, with_units
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum

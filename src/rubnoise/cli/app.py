@@ -29,9 +29,9 @@ DEBUG = "--debug"
 
 HEADINGS: Final = {
     "Begin and run": {
-        "new": "new.command",
-        "examples": "new.print_examples",
-        "check": "check.command",
+        "new": "check.new",
+        "examples": "check.print_examples",
+        "check": "check.check",
         "run": "run.run",
         "sweep": "run.sweep",
         "demo": "page.demo",
@@ -41,8 +41,8 @@ HEADINGS: Final = {
         "junctions": "junctions.command",
         "plot": "plot.command",
         "page": "page.command",
-        "listen": "listen.command",
-        "export": "export.command",
+        "listen": "export.listen",
+        "export": "export.export",
     },
     "Compare": {
         "theory": "theory.command",
@@ -54,7 +54,7 @@ HEADINGS: Final = {
         "surface": "surface.command",
     },
     "Hidden": {
-        "schema": "new.print_schema",
+        "schema": "check.print_schema",
         "surface --synthesise": "surface.synthesise",
         **dict.fromkeys(INSTEAD, "ended.command"),
     },

@@ -72,7 +72,7 @@ def command(
     Example: rubnoise infer friction.csv --speed "1 mm/s" --zero known
     """
     told = {name: value for name, value in locals().items() if name not in OF_COMMAND}
-    from rubnoise.api.inferred import answer_of
+    from rubnoise.api.fit import answer_of
     from rubnoise.api.inferring import infer
     from rubnoise.errors import NotPassed, Refused
     from rubnoise.storage.output import check_output
@@ -88,7 +88,7 @@ def command(
     if output is not None and found.refused_because is None:
         texts[output] = found.to_toml()
     if report is not None and found.refused_because is None:
-        from rubnoise.figures.inference import page
+        from rubnoise.figures.measurements import page
 
         texts[report] = page(found, trace, answer.to_text())
     write_texts(texts, force=force)

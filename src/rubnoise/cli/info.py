@@ -82,7 +82,7 @@ def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
 
     Roughness noise is reported so: in dB re 50 nm/s.
     """
-    from rubnoise.analysis.third_octaves import heard_bands
+    from rubnoise.analysis.spectra import heard_bands
 
     try:
         heard = heard_bands(run.reader(), run.model())

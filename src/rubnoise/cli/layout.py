@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from math import isfinite
 from pathlib import Path
-from textwrap import fill
 from typing import Any, TextIO
 
-from rubnoise.answer import Answer, finite
+from rubnoise.answer import Answer, finite, length
+from rubnoise.answer import sentence as broken
 
 WIDTH = 80
 """Columns of text that goes to no terminal."""
@@ -38,16 +38,7 @@ def width() -> int:
 
 def sentence(text: str, indent: str = "") -> str:
     """Return a sentence broken between words on a terminal, otherwise in one line."""
-    if columns_of(sys.stdout) is None:
-        return indent + text
-    return fill(
-        text,
-        width(),
-        initial_indent=indent,
-        subsequent_indent=f"{indent}  ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    return indent + text if columns_of(sys.stdout) is None else broken(text, width(), indent)
 
 
 def grouped(value: float) -> str:
@@ -55,23 +46,11 @@ def grouped(value: float) -> str:
     return f"{round(value):,}" if isfinite(value) else str(value)
 
 
-def distance(um: float) -> str:
-    """Return an estimated sliding distance, with two digits, in the unit that suits it."""
-    for unit, length in (("m", 1e6), ("mm", 1e3)):
-        if um >= length:
-            return f"{_two_digits(um / length)} {unit}"
-    return f"{_two_digits(um)} um"
-
-
-def _two_digits(value: float) -> str:
-    return f"{float(f'{value:.2g}'):,.10g}"
-
-
 def too_short_for_motion(decays: float, needed: float) -> str:
     """Return that a run is too short for standard errors of its slider's motion, and the distance that it needs."""
     return (
         f"the run is too short for standard errors of the slider's motion: it lasts {decays:.2g} of its decay times;"
-        f" it needs about {distance(needed)}"
+        f" it needs about {length(needed)}"
     )
 
 

@@ -13,7 +13,7 @@ import typer
 import rubnoise
 from rubnoise.answer import printable
 from rubnoise.api.kinds import Kind
-from rubnoise.cli.options import ReplaceFile, ResultOrSweep, argument, flag, option
+from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.regular_file import is_folder
 
@@ -55,8 +55,8 @@ def command(
     output: Annotated[
         Path | None, option("PICTURE", "A png, pdf or svg file; else RUN_WHAT.png, here.", "-o", "--output")
     ] = None,
-    start: Annotated[str | None, option("S", "Where the stretch begins: um, or with a unit.", "--from")] = None,
-    stop: Annotated[str | None, option("S", "Where the stretch ends.", "--to")] = None,
+    start: StretchStart = None,
+    stop: StretchEnd = None,
     of: Annotated[
         SpectrumOf,
         option(

@@ -24,7 +24,7 @@ Bar = Callable[[float, float | None, str], None]
 def bar(*, shown: bool) -> Iterator[Bar]:
     """Yield a bar on standard error, which goes at the end; one that shows nothing unless ``shown``."""
     if not shown:
-        yield _nothing
+        yield lambda *_: None
         return
     from rich.console import Console
     from rich.markup import escape
@@ -40,10 +40,6 @@ def bar(*, shown: bool) -> Iterator[Bar]:
             progress.update(task, completed=done, total=whole, description=escape(words))
 
         yield show
-
-
-def _nothing(_done: float, _whole: float | None, _words: str) -> None:
-    """Show nothing."""
 
 
 @contextmanager

@@ -136,18 +136,14 @@ def program() -> str:
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     """Return the reasons why the result will be doubtful or too short, and print them before the run."""
-    from rubnoise.analysis.moments import missing_for_motion, one_way_warnings
-    from rubnoise.cli.derivation import load_as_json, load_warnings
+    from rubnoise.analysis.moments import missing_for_motion
+    from rubnoise.cli.derivation import motion_warnings
     from rubnoise.theory.exact import exact
-    from rubnoise.theory.motion import response
 
     if scenario.too_large:
         return []  # it has no run, and says why
-    model, doubts = scenario.model(), []
-    if model.slider is not None and not model.is_two_way:
-        doubts += one_way_warnings(model, response(model).one_way_validity)
-    if model.held is not None:
-        doubts += load_warnings(load_as_json(exact(model)))
+    model = scenario.model()
+    doubts = motion_warnings(exact(model)) if model.slider is not None or model.held is not None else []
     if missing := missing_for_motion(model):
         doubts.append(too_short_for_motion(missing.decays, missing.needed))
     if not quiet:

@@ -97,7 +97,7 @@ def command(
     if output is not None and not contact.refused:
         texts[output] = contact.scenario_text(**wanted)
     if report is not None and not contact.refused:
-        from rubnoise.pages.surface_report import surface_report
+        from rubnoise.pages.report import surface_report
 
         texts[report] = surface_report(contact, answer.to_text(), **wanted)
     write_texts(texts, force=force)

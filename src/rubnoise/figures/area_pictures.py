@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
-from rubnoise.analysis.covariance import CovarianceSum
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.moments import covariance_errors
+from rubnoise.analysis.records import CovarianceSum
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths

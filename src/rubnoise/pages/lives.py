@@ -9,8 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.reading import check_numbers
-from rubnoise.analysis.selection import gather
+from rubnoise.analysis.selection import check_numbers, gather
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import half_life
 from rubnoise.record.reader import Reader

@@ -1,19 +1,24 @@
-"""A report of a run or a sweep: one page with words, figures beside exact values, pictures, sound and origin."""
+"""Reports of a run, a sweep or two surfaces: words, figures beside exact values, pictures, sound and origin."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from html import escape
 from math import isfinite, nan
-from typing import Final
+from typing import Any, Final
 
-from rubnoise.analysis.scores import from_attributes
+import numpy as np
+
+from rubnoise.analysis.findings import from_attributes
 from rubnoise.analysis.sound import Sound, level_of, samples_of
-from rubnoise.analysis.third_octaves import heard_bands
+from rubnoise.analysis.spectra import heard_bands
 from rubnoise.answer import Row
 from rubnoise.api.kinds import Kind
+from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
 from rubnoise.figures.catalogue import picture
+from rubnoise.figures.measurements import contact_picture
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import quantities_of, study_of_sweep
 from rubnoise.figures.study_picture import key_label, quantity_words, study_picture
@@ -22,9 +27,11 @@ from rubnoise.model import Model
 from rubnoise.pages.page import written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
 from rubnoise.record.reader import Reader
+from rubnoise.scenario import loads
 from rubnoise.scenario.text import text_of
 from rubnoise.storage.wave_file import write_wave
-from rubnoise.web_page import coded, part, web_page
+from rubnoise.surface.sliding import SlidingContact
+from rubnoise.web_page import coded, report_page
 
 CAPTIONS: Final[dict[Kind, str]] = {
     "trace": "Real contact area over the sliding distance, at the beginning of the run. The band is the exact mean with"
@@ -71,16 +78,16 @@ def run_report(file: Reader, between: Between) -> str:
     figures = from_attributes(file.summary)
     origin = file.provenance
     words = [*in_words(stretch.model), *flights_in_words(stretch), *motion_in_words(stretch.model, figures)]
-    sections = [
-        _section("What was simulated", _paragraphs(words)),
-        _section("Measured and exact", _agreement(figures)),
-        _section("Noise of the normal motion", _normal_motion(file, stretch.model)),
-        _section("Pictures", "".join(_pictures(stretch, between))),
-        _section("Sound", _sound(file, between), "on-screen"),
-        _section("Scenario", f"<pre>{escape(text_of(json.loads(str(origin['scenario_resolved']))))}</pre>"),
-        _section("How to repeat this run", _repeat(origin, "rubnoise run scenario.toml -o run.h5", file.attributes)),
-    ]
-    return _page(stretch.title or file.path.stem, str(origin["finished"]), sections)
+    sections = {
+        "What was simulated": _paragraphs(words),
+        "Measured and exact": _agreement(figures),
+        "Noise of the normal motion": _normal_motion(file, stretch.model),
+        "Pictures": "".join(_pictures(stretch, between)),
+        "Sound": _sound(file, between),
+        "Scenario": f"<pre>{escape(text_of(json.loads(str(origin['scenario_resolved']))))}</pre>",
+        "How to repeat this run": _repeat(origin, "rubnoise run scenario.toml -o run.h5", file.attributes),
+    }
+    return report_page(stretch.title or file.path.stem, sections, str(origin["finished"]))
 
 
 def sweep_report(sweep: SweepResult, between: Between) -> str:
@@ -93,28 +100,15 @@ def sweep_report(sweep: SweepResult, between: Between) -> str:
         f"{sweep.count(state):,} {state}" for state in ("done", "failed", "planned") if sweep.count(state)
     )
     swept = ", ".join(key_label(key, sweep.runs[key].units) for key in sweep.keys)
-    sections = [
-        _section(
-            "What was simulated", _paragraphs([f"{len(sweep.points):,} points over {swept}.", f"Runs: {states}."])
-        ),
-        _section("Pictures", "".join(_studies(sweep, quantities, between))),
-        _section("Every point", _points(sweep, quantities)),
-        _section(
-            "Failed runs", "".join(f"<p>{escape(run.run_id)}: {escape(run.reason)}</p>" for run in sweep.failures)
-        ),
-        _section("Scenario", f"<pre>{escape(str(origin['scenario_toml']))}</pre>"),
-        _section("How to repeat this sweep", _repeat(origin, "rubnoise sweep scenario.toml -o folder", origin)),
-    ]
-    return _page(sweep.title or sweep.path.name, str(origin["written"]), sections)
-
-
-def _page(title: str, when: str, sections: Sequence[str]) -> str:
-    body = f"<main>\n<h1>{escape(title)}</h1>\n<p>{escape(when)}</p>{''.join(sections)}\n</main>"
-    return web_page(body, title=title, styles=[part("rubnoise.figures", "report.css")])
-
-
-def _section(heading: str, content: str, kind: str = "") -> str:
-    return f'<section class="{kind}"><h2>{escape(heading)}</h2>{content}</section>\n' if content else ""
+    sections = {
+        "What was simulated": _paragraphs([f"{len(sweep.points):,} points over {swept}.", f"Runs: {states}."]),
+        "Pictures": "".join(_studies(sweep, quantities, between)),
+        "Every point": _points(sweep, quantities),
+        "Failed runs": _paragraphs([f"{run.run_id}: {run.reason}" for run in sweep.failures]),
+        "Scenario": f"<pre>{escape(str(origin['scenario_toml']))}</pre>",
+        "How to repeat this sweep": _repeat(origin, "rubnoise sweep scenario.toml -o folder", origin),
+    }
+    return report_page(sweep.title or sweep.path.name, sections, str(origin["written"]))
 
 
 def _paragraphs(sentences: Sequence[str]) -> str:
@@ -166,18 +160,23 @@ def _picture(content: bytes, caption: str) -> str:
     return f"<figure>{image}<figcaption>{text}</figcaption></figure>"
 
 
+@contextmanager
+def _left_out_if_refused() -> Iterator[None]:
+    try:
+        yield
+    except Refused as refusal:
+        if isinstance(refusal, PicturesMissing):
+            raise
+
+
 def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
     captions = CAPTIONS if stretch.has_theory else CAPTIONS | OF_FREE_MOTION
     for name, caption in captions.items():
         between()
-        try:
+        with _left_out_if_refused():  # a run without a slider has no motion to show
             yield _picture(picture(name, stretch, "png"), caption)
             if name == "histogram" and not stretch.has_theory:
                 yield _picture(picture(name, stretch, "png", heard="load"), "How often each load occurs.")
-        except PicturesMissing:
-            raise
-        except Refused:
-            continue  # a run without a slider has no motion to show
 
 
 def _sound(file: Reader, between: Between) -> str:
@@ -192,7 +191,11 @@ def _sound(file: Reader, between: Between) -> str:
     content = written(lambda path: write_wave(path, pieces, samples=sound.samples, rate=sound.rate, texts={}))
     what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
     words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
-    return f'<p>{words}</p><audio controls src="data:audio/wav;base64,{coded(content)}"></audio>'
+    return _heard(words, content)
+
+
+def _heard(words: str, wave: bytes) -> str:
+    return f'{_paragraphs([words])}<audio controls src="data:audio/wav;base64,{coded(wave)}"></audio>'
 
 
 def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str, object]) -> str:
@@ -210,14 +213,10 @@ def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str,
 def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) -> Iterator[str]:
     for quantity in quantities:
         between()
-        try:
-            content = study_picture(study_of_sweep(sweep, quantity), "png")
-        except PicturesMissing:
-            raise
-        except Refused:
-            continue
         words = quantity_words(quantity)
-        yield _picture(content, f"{words[:1].upper()}{words[1:]}, with 95 % intervals and the exact curve.")
+        caption = f"{words[:1].upper()}{words[1:]}, with 95 % intervals and the exact curve."
+        with _left_out_if_refused():
+            yield _picture(study_picture(study_of_sweep(sweep, quantity), "png"), caption)
 
 
 def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
@@ -233,3 +232,45 @@ def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
         rows.append(cells)
     heading = [*(key.rpartition(".")[2].replace("_", " ") for key in sweep.keys), *map(quantity_words, quantities)]
     return _html_table(heading, rows)
+
+
+SECONDS_OF_AREA: Final = 3.0
+SAMPLES_A_LIFE: Final = 100
+"""Samples for a mean life of junctions: the noise then falls off above about 300 Hz."""
+
+FEWEST_SAMPLES: Final = 4
+_PEAK: Final = 0.7
+
+
+def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
+    """Return the page: the text of the command, five panes, the sound of the area, and the scenario as it is written.
+
+    ``scenario`` are the keywords of `SlidingContact.scenario_text`. Raises PicturesMissing without matplotlib.
+    """
+    sound, words = _sound_of_area(contact, scenario.get("speed"))
+    shown = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
+    sections = {
+        "In numbers": f"<pre>{escape(text)}</pre>",
+        "Pictures": _picture(contact_picture(contact), f"{shown} autocovariance"),
+        "Sound": _heard(words, sound),
+        "Scenario": f"<pre>{escape(contact.scenario_text(**scenario))}</pre>",
+    }
+    return report_page(f"{contact.slider.name} on {contact.track.name}", sections)
+
+
+def _sound_of_area(contact: SlidingContact, speed: float | None) -> tuple[bytes, str]:
+    """Return a WAV file of the scenario's area less its mean at a speed in um/s, and words with the speed.
+
+    Without a speed it is one that is well heard; one at which lives are shorter than a few samples is slowed down.
+    """
+    life = contact.scenario.model().mean_life_distance
+    tick = life / SAMPLES_A_LIFE if speed is None else min(speed / RATE, life / FEWEST_SAMPLES)
+    samples = int(SECONDS_OF_AREA * RATE)
+    text = contact.scenario_text(distance=samples * tick)
+    record = simulate(loads(f'{text}\n[output]\ntick = "{tick:.9g} um"\n\n[run]\nengine = "batch"\n', "surface"))
+    area = np.asarray(record.trace["real_contact_area"][:samples], dtype=np.float64)
+    values = area - area.mean()
+    values *= _PEAK / np.abs(values).max()
+    content = written(lambda path: write_wave(path, [values], samples=values.size, rate=RATE, texts={}))
+    heard = f"at a sliding speed of {tick * RATE * 1e-3:.3g} mm/s"
+    return content, f"The real contact area of the scenario as it changes {heard}."

@@ -6,7 +6,7 @@ from typing import Final
 
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.moments import one_way_warnings
-from rubnoise.answer import Row
+from rubnoise.answer import Row, length
 from rubnoise.figures.stretch import Stretch
 from rubnoise.model import FreeSeparation, Model, Slider
 from rubnoise.theory.coupling import free_motion, load_motion
@@ -14,6 +14,10 @@ from rubnoise.theory.moments import area_cumulants
 
 _SMALLEST, _LARGEST = 1e-4, 1e7  # of numbers that are written without a power of ten
 _RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _length(model: Model) -> str:
+    return length(model.distance, 4).replace("um", "µm")
 
 
 def number(value: float | None, digits: int = 6) -> str:
@@ -53,7 +57,7 @@ def _free_contact(model: Model, free: FreeSeparation) -> list[str]:
     )
     return [
         (
-            f"A slider of {1000.0 * held.mass:.4g} g slides over {_length(model.distance)} of a rough surface under its"
+            f"A slider of {1000.0 * held.mass:.4g} g slides over {_length(model)} of a rough surface under its"
             f" load of {1e-6 * held.load:.4g} N. It may leave the surface and fall back on it."
         ),
         (
@@ -89,7 +93,7 @@ def _contact(model: Model) -> list[str]:
     area = area_cumulants(model)
     lines = [
         (
-            f"Two rough surfaces slide over {_length(model.distance)}. Where their asperities meet, junctions are born,"
+            f"Two rough surfaces slide over {_length(model)}. Where their asperities meet, junctions are born,"
             f" grow to {'a full overlap' if model.pulse.offset == 'none' else 'a largest overlap'}, shrink and die."
         ),
         (
@@ -160,10 +164,3 @@ def _one_way(model: Model, validity: float) -> str:
         f"The velocity of the slider spreads by {validity:.3g} times the sliding speed, so that it is fair to take the"
         " sliding speed for constant."
     )
-
-
-def _length(um: float) -> str:
-    for unit, size in (("m", 1e6), ("mm", 1e3)):
-        if um >= size:
-            return f"{um / size:.4g} {unit}"
-    return f"{um:.4g} µm"

@@ -16,10 +16,9 @@ from rubnoise.analysis.selection import neighbours
 from rubnoise.arrays import chunk_of_steps
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch, lowest_and_highest
-from rubnoise.pages.exact_curves import exact_curves
 from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import page
-from rubnoise.pages.whole_run import whole_run
+from rubnoise.pages.statistics import exact_curves, whole_run
 from rubnoise.record.reader import Reader, chunks, column_chunks
 from rubnoise.record.rows import ContactKind, LandmarkKind
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused, RunFileRefused
-from rubnoise.pages.exact_curves import LIVES
 from rubnoise.pages.page import page
+from rubnoise.pages.statistics import LIVES
 
 MOST_RUNS: Final = 20_000
 MOST_BEGINNINGS: Final = 200

@@ -18,8 +18,8 @@ from typing import Any, Final, Self, cast
 
 import numpy as np
 
+from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
-from rubnoise.analysis.scores import attributes_of
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.runs.making import describe, play

@@ -9,7 +9,7 @@ from shlex import join
 from typing import cast
 
 from rubnoise.analysis.figures import summarise
-from rubnoise.analysis.scores import attributes_of
+from rubnoise.analysis.findings import attributes_of
 from rubnoise.arrays import slices
 from rubnoise.record.reader import Attributes, MemoryRecord
 from rubnoise.record.sink import Extent, Sink, Tee

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.figures import summarise
-from rubnoise.analysis.reading import Ahead
-from rubnoise.analysis.scores import attributes_of
+from rubnoise.analysis.findings import attributes_of
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
@@ -267,7 +266,7 @@ class _Compared:
     """A sink that compares the rows of a run with those of a file, in one check for each group."""
 
     def __init__(self, rows: Rows) -> None:
-        self._rows = Ahead(rows)
+        self._rows = rows
         self.checks = {group: Check(group) for group in rows.columns}
         self._written = dict.fromkeys(self.checks, 0)
 

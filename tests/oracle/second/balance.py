@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.findings import identity
-from rubnoise.analysis.reading import checked_chunks
+from rubnoise.analysis.selection import checked_chunks
 from rubnoise.answer import Row, left_out
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
