@@ -181,15 +181,12 @@ def distance(option: str, text: str | None) -> float | None:
 
     Raises Refused, naming the option, if it is not a length.
     """
-    from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
+    from rubnoise.real_numbers import number_in
+    from rubnoise.units import LENGTH, NUMBER
 
     if text is None:
         return None
-    try:
-        return float(read_quantity(f"{text} um" if re.fullmatch(NUMBER, text) else text, LENGTH))
-    except QuantityError as problem:
-        hint = f"; {problem.hint}" if problem.hint else ""
-        raise Refused(f"{option}: {printable(text)}: {problem}{hint}") from problem
+    return number_in(f"{text} um" if re.fullmatch(NUMBER, text) else text, option, LENGTH)
 
 
 def check_picture(path: Path, *, force: bool, reads: Sequence[Path] = ()) -> "Format":

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.figures.stretch import lowest_and_highest
 from rubnoise.pages.page import page
 from rubnoise.pages.statistics import LIVES
 
@@ -123,7 +124,5 @@ def _thinned(columns: Any, names: tuple[str, str]) -> list[list[float]]:
     rows = min(len(columns), ROWS)
     places, values = (np.asarray(columns[name][:rows], dtype=np.float64) for name in names)
     step = max(1, ceil(rows / CELLS))
-    starts = np.arange(0, rows, step)
-    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
-    both = np.stack([low, high], axis=-1).ravel() if step > 1 else values
-    return [np.repeat(places[starts], 2 if step > 1 else 1).tolist(), both.tolist()]
+    both = np.stack(lowest_and_highest([values], step), axis=-1).ravel() if step > 1 else values
+    return [np.repeat(places[::step], 2 if step > 1 else 1).tolist(), both.tolist()]
