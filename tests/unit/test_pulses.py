@@ -12,7 +12,7 @@ from rubnoise.contact.calibration import NoMatchingDiameter, calibrated_diameter
 from rubnoise.contact.laws import LAWS, Spread, law_for
 from rubnoise.contact.pulses import LENS, PARABOLA, PULSES
 from rubnoise.model import Slider
-from rubnoise.simulation.linear import propagator, under_force
+from rubnoise.simulation.linear import linear_system, propagator
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.unit_pulse import amplitude
 from tests.frozen import frozen
@@ -164,7 +164,7 @@ def oracle(slider, speed, tick):
 @pytest.mark.parametrize("name", SLIDERS)
 @pytest.mark.parametrize("speed", [50.0, 1e5])
 def test_constants_of_every_damping(name, speed):
-    constants = propagator(under_force(SLIDERS[name]), speed, 0.05, 1)
+    constants = propagator(linear_system(model(slider=SLIDERS[name])), speed, 0.05, 1)
     transition, gains = (np.array(each) for each in oracle(SLIDERS[name], speed, 0.05))
     assert np.allclose(constants.transition, transition, rtol=1e-14, atol=0)
     # A higher moment moves a slider little, so of each row the largest gain counts.

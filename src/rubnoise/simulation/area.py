@@ -39,7 +39,7 @@ def sample(
     columns: dict[str, NDArray[Any]] = {
         "distance": np.arange(first, end) * tick,
         "real_contact_area": area,
-        "junction_count": count_live(first, end, tick, rows.birth, rows.departure),
+        "junction_count": count_live(first, end, tick, rows.birth, rows.death),
     }
     driving = {"area": moments, "force": moments}
     if not equal:

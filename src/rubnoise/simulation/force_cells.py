@@ -72,7 +72,7 @@ def force_cells(shape: Shape, rows: LiveRows, first: int, end: int, width: float
 
 @compiled_within
 def expand(cells: ForceCells, cell: int, y: float, way: float, piece: Doubles) -> float:
-    """Fill in the powers of G about a place, for distances in um; return the next border ahead, as its y.
+    """Fill in the powers (4) of G about a place, for distances in um; return the next border ahead, as its y.
 
     Borders are kinks and the edges of the cell.
     """
@@ -89,12 +89,6 @@ def expand(cells: ForceCells, cell: int, y: float, way: float, piece: Doubles) -
     per = 1.0 / cells.width
     piece[0], piece[1], piece[2], piece[3] = value, slope * per, (c2 + 3.0 * y * c3) * per * per, c3 * per * per * per
     return border
-
-
-@compiled_within
-def force_at(piece: Doubles, moved: float) -> float:
-    """Return G in uN at a distance (um) from where it was expanded."""
-    return piece[0] + moved * (piece[1] + moved * (piece[2] + moved * piece[3]))
 
 
 @compiled_within

@@ -19,7 +19,7 @@ from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Appender, Columns, Sink
 from rubnoise.simulation.area import has_one_strength
-from rubnoise.simulation.free.contacts import CONTACT, ORDER, Law, Records, Series, law_of
+from rubnoise.simulation.free.contacts import CONTACT, ORDER, Law, Records, Series
 from rubnoise.simulation.free.encounters import LAYERS, RoughSurface
 from rubnoise.simulation.free.motion import (
     DEEPER,
@@ -181,17 +181,17 @@ class Scales:
 
     def law(self, model: Model, free: FreeSeparation) -> Law:
         """Return the constants of the motion."""
-        slider, speed = (0.0, 0.0), (model.sliding_speed or 0.0) / (self.length * self.rate)
-        if model.slider is not None:
-            mass = model.slider.mass * self.rate
-            slider = model.slider.damping / mass, model.slider.stiffness / (mass * self.rate)
-        return law_of(
-            model.mean_junction_count,
-            speed,
-            damping_ratio=0.5 * free.held.damping / (free.held.mass * self.rate),
-            restitution=free.restitution,
-            impact_damping=(free.impact_damping or 0.0) * self.height * self.rate,
-            slider=slider,
+        slider, own = model.slider, (0.0, 0.0)
+        if slider is not None:
+            mass = slider.mass * self.rate
+            own = slider.damping / mass, slider.stiffness / (mass * self.rate)
+        return Law(
+            (model.sliding_speed or 0.0) / (self.length * self.rate),
+            1.0 / model.mean_junction_count,
+            free.held.damping / (free.held.mass * self.rate),
+            1.0 if free.restitution is None else free.restitution * free.restitution,
+            (free.impact_damping or 0.0) * self.height * self.rate,
+            *own,
         )
 
 

@@ -5,7 +5,8 @@ mid-lives are events. The clock stops once per tick range, whose ticks are compu
 joined and left by then. No row is computed from the clock, but for lives that an interrupt ends.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from math import ulp
 
 import numpy as np
 from simpy import Environment, Interrupt
@@ -14,7 +15,8 @@ from simpy.events import ProcessGenerator, Timeout
 from rubnoise.model import Model
 from rubnoise.simulation.intervention import Intervention, LiveSet, joined
 from rubnoise.simulation.observer import Notifier
-from rubnoise.simulation.state import Block, LiveRows
+from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.ticks import TickRange
 
 
 def until(env: Environment, place: float) -> Timeout:
@@ -28,27 +30,31 @@ def junction(
     """Live through two half-lives of sliding and die, or die earlier at an interrupt; tell an observer of it."""
     middle, death = birth + half_life, birth + 2.0 * half_life
     try:
-        if notifier is not None and notifier.is_rising(number) and middle > env.now:
+        if notifier is not None and notifier.watches("mid_life") and middle > 0.0:
             yield until(env, middle)
-            notifier.mid_life(number, middle)
+            notifier.life("mid_life", number, middle)
         yield env.timeout(max(death - env.now, 0.0))  # as `until` does, without the call
     except Interrupt:
         death = min(max(env.now, birth), death)
-    live.leave(number, death)
+        live.ended[number] = death
+    del live.processes[number]
     if notifier is not None:
-        notifier.death(number, death)
+        notifier.life("death", number, death)
 
 
 def births(env: Environment, live: LiveSet, notifier: Notifier | None, born: LiveRows, end: float) -> ProcessGenerator:
-    """Wait for a birth, start a junction, and repeat until the end of the block (um)."""
+    """Wait for a birth, start a junction, and repeat until the end of the block (um).
+
+    The clock rounds, so it stops a little behind the end, when all events up to there have happened.
+    """
     waits = np.maximum(np.diff(born.birth, prepend=env.now), 0.0)
     columns = (waits, born.junction, born.birth, born.half_life)
     for wait, number, birth, half_life in zip(*(each.tolist() for each in columns), strict=True):
         yield env.timeout(wait)
         live.join(number, env.process(junction(env, live, notifier, number, birth, half_life)))
         if notifier is not None:
-            notifier.birth(number, birth)
-    yield until(env, end)
+            notifier.life("birth", number, birth)
+    yield until(env, end + 4.0 * ulp(end))
 
 
 class Processes:
@@ -61,31 +67,25 @@ class Processes:
         self._notifier = notifier
         self._pulse, self._intervene = model.pulse, intervene
 
-    def __call__(self, block: Block) -> Iterator[LiveRows]:
+    def __call__(self, state: State, born: LiveRows, end: float, ranges: Sequence[TickRange]) -> Iterator[LiveRows]:
         """Play one block; yield the rows of those who have joined by each tick range and by its end, carried first.
 
         A range ends half a tick late: a birth or death at its last tick has happened, whatever the queue's order.
         """
-        env, live, notifier, state = self._env, self._live, self._notifier, block.state
-        live.begin(state.live, block.born, state.begin)
+        env, live = self._env, self._live
+        live.begin(state.live, born)
         if state.block == 0:
-            self._begin(state.live, state.begin)
-        block_end = env.process(births(env, live, notifier, block.born, block.end))
-        for tick_range in block.tick_ranges:
-            env.run(until=block_end if tick_range is block.tick_ranges[-1] else until(env, tick_range.wake))
+            self._begin(state.live)
+        block_end = env.process(births(env, live, self._notifier, born, end))
+        for tick_range in ranges:
+            env.run(until=block_end if tick_range is ranges[-1] else until(env, tick_range.wake))
             yield live.rows()
         env.run(until=block_end)
-        rows = live.rows()
-        if notifier is not None:
-            notifier.end_block(rows, block.end)
-        yield rows
+        yield live.rows()
 
-    def _begin(self, alive: LiveRows, distance: float) -> None:
+    def _begin(self, alive: LiveRows) -> None:
         """Start the junctions that are alive when the run begins, and the process of the user."""
         env, live, notifier = self._env, self._live, self._notifier
-        if notifier is not None:
-            notifier.begin(alive, distance)
-        alive = alive.at(np.flatnonzero(alive.death > distance))
         columns = (alive.junction, alive.birth, alive.half_life)
         for number, birth, half_life in zip(*(each.tolist() for each in columns), strict=True):
             live.processes[number] = env.process(junction(env, live, notifier, number, birth, half_life))

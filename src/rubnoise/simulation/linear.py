@@ -36,53 +36,41 @@ class LinearSystem:
 
 
 def linear_system(model: Model) -> LinearSystem | None:
-    """Return the equations of separation and slider; None if nothing moves, or if its motion changes the contact."""
-    if model.sliding_speed is None or model.is_two_way or model.free is not None:
-        return None
-    if model.separation is not None:
-        return under_load(model, model.separation)
-    if model.slider is None:
-        return None
-    return over_base(model.slider, model.base_per_area) if model.base_per_area else under_force(model.slider)
+    """Return the equations of separation and slider; None if nothing moves, or if its motion changes the contact.
 
-
-def under_force(slider: Slider) -> LinearSystem:
-    """Return m x'' + c x' + k x = F under the friction force."""
-    inputs = np.array([[0.0], [1.0 / slider.mass]])
-    return LinearSystem(rates=_alone(slider), inputs=inputs, drives=("force",), means=(0.0,))
-
-
-def over_base(slider: Slider, lift: float) -> LinearSystem:
-    """Return m x'' + c x' + k x = c y' + k y over a base y = lift A.
-
-    The slope of y is not needed if the second number is u = x' - c y/m, the velocity that the slider carries:
-    x' = u + (c/m) y, u' = -(k/m) x - (c/m) u + (k/m - c^2/m^2) y.
+    m z'' + c z' + (W/s_0) z = H (A - A_rm), and m x'' + c x' + k x = F, less `force_lost` times z under a load. Over a
+    base y = lift A it is m x'' + c x' + k x = c y' + k y. The slope of y is not needed if the second number is
+    u = x' - c y/m, the velocity that the slider carries: x' = u + (c/m) y, u' = -(k/m) x - (c/m) u + (k/m - c^2/m^2) y.
     """
-    dashpot = slider.damping / slider.mass
-    inputs = lift * np.array([[dashpot], [slider.stiffness / slider.mass - dashpot * dashpot]])
-    return LinearSystem(rates=_alone(slider), inputs=inputs, drives=("area",), means=(0.0,))
+    held, slider, lift = model.separation, model.slider, model.base_per_area
+    bodies: list[tuple[Slider, Drive, list[float], float]] = []
+    if held is not None:
+        bodies.append((held.oscillator, "area", [0.0, held.hardness / held.mass], model.mean_real_contact_area))
+    if slider is not None and lift:
+        dashpot = slider.damping / slider.mass
+        inputs = [lift * dashpot, lift * (slider.stiffness / slider.mass - dashpot * dashpot)]
+        bodies.append((slider, "area", inputs, 0.0))
+    elif slider is not None:
+        bodies.append((slider, "force", [0.0, 1.0 / slider.mass], 0.0))
+    if not bodies or model.sliding_speed is None or model.is_two_way or model.free is not None:
+        return None
+    count = len(bodies)
+    rates, pushes = np.zeros((2 * count, 2 * count)), np.zeros((2 * count, count))
+    for number, (body, _, inputs, _) in enumerate(bodies):
+        pair = slice(2 * number, 2 * number + 2)
+        rates[pair, pair] = [[0.0, 1.0], [-body.stiffness / body.mass, -body.damping / body.mass]]
+        pushes[pair, number] = inputs
+    if held is not None and slider is not None:
+        rates[3, 0] = -force_lost(model) / slider.mass
+    _, drives, _, means = zip(*bodies, strict=True)
+    return LinearSystem(rates=rates, inputs=pushes, drives=drives, means=means)
 
 
-def under_load(model: Model, held: Separation) -> LinearSystem:
-    """Return m z'' + c z' + (W/s_0) z = H (A - A_rm), and m x'' + c x' + k x = sum of psi A - E[psi] A_rm z/s_0."""
-    mean, push = model.mean_real_contact_area, held.hardness / held.mass
-    rises, slider = _alone(held.oscillator), model.slider
-    if slider is None:
-        return LinearSystem(rates=rises, inputs=np.array([[0.0], [push]]), drives=("area",), means=(mean,))
-    rates, inputs = np.zeros((4, 4)), np.zeros((4, 2))
-    rates[:2, :2], rates[2:, 2:] = rises, _alone(slider)
-    rates[3, 0] = -force_lost(model, held) / slider.mass
-    inputs[1, 0], inputs[3, 1] = push, 1.0 / slider.mass
-    return LinearSystem(rates=rates, inputs=inputs, drives=("area", "force"), means=(mean, 0.0))
-
-
-def force_lost(model: Model, held: Separation) -> float:
-    """Return what the friction force loses for each um by which the separation grows, in uN."""
-    return 0.0 if model.strengths is None else model.strengths.mean * model.mean_real_contact_area / held.height_scale
-
-
-def _alone(slider: Slider) -> Doubles:
-    return np.array([[0.0, 1.0], [-slider.stiffness / slider.mass, -slider.damping / slider.mass]])
+def force_lost(model: Model) -> float:
+    """Return what the friction force loses for each um by which a load's separation grows, in uN."""
+    if model.separation is None or model.strengths is None:
+        return 0.0
+    return model.strengths.mean * model.mean_real_contact_area / model.separation.height_scale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -216,13 +204,13 @@ class LinearMotion:
         self.state = states[:, -1].copy()
         states = states[:, states.shape[1] - trace["distance"].size :]
         moved: dict[str, Columns] = {"trace": trace}
-        held = self._model.separation
+        held, slider = self._model.separation, self._model.slider
         if held is not None:
             if "friction_force" in trace:
-                trace["friction_force"] = trace["friction_force"] - force_lost(self._model, held) * states[0]
-            moved["load"] = self._of_load(trace, states[0], states[1])
-        if self._model.slider is not None:
-            moved["slider"] = self._of_slider(trace, states[-2], states[-1])
+                trace["friction_force"] = trace["friction_force"] - force_lost(self._model) * states[0]
+            moved["load"] = self._of_load(held, trace, states[0], states[1])
+        if slider is not None:
+            moved["slider"] = self._of_slider(slider, trace, states[-2], states[-1])
         return moved
 
     def _moved(self, moments: Sequence[Doubles]) -> Doubles:
@@ -246,22 +234,19 @@ class LinearMotion:
                 advance(push, transition[pair, pair].copy(), first, states[pair])
         return states
 
-    def _of_slider(self, trace: Columns, displacement: Doubles, velocity: Doubles) -> Columns:
+    def _of_slider(self, slider: Slider, trace: Columns, displacement: Doubles, velocity: Doubles) -> Columns:
         columns = {"time": trace["distance"] / self._model.sliding_speed, "distance": trace["distance"]}
         if "friction_force" in trace:
             columns["friction_force"] = trace["friction_force"]
         columns |= {"displacement": displacement, "velocity": velocity}
-        slider = self._model.slider
-        if slider is not None and self._model.base_per_area:
+        if self._model.base_per_area:
             base = self._model.base_per_area * trace["real_contact_area"]
             # Over a base the state carries x' - c y/m.
             columns |= {"base_displacement": base, "velocity": velocity + slider.damping / slider.mass * base}
         return columns
 
-    def _of_load(self, trace: Columns, separation: Doubles, velocity: Doubles) -> Columns:
-        model, held = self._model, self._model.separation
-        if held is None:
-            raise ValueError("no load holds the separation")
+    def _of_load(self, held: Separation, trace: Columns, separation: Doubles, velocity: Doubles) -> Columns:
+        model = self._model
         area, live = trace["real_contact_area"], trace["junction_count"].astype(np.float64)
         alone = held.height_scale * model.mean_junction_count / model.mean_real_contact_area
         overlap = np.full(live.size, np.nan)

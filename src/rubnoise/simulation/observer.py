@@ -6,12 +6,10 @@ from heapq import heappop, heappush
 from itertools import count
 from typing import Any, Final
 
-import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import Refused
 from rubnoise.record.rows import LandmarkKind
-from rubnoise.simulation.state import LiveRows
 
 OnLife = Callable[[int, float], None]
 """Called with the row number of a junction and the distance in um of its birth, mid-life or death."""
@@ -19,6 +17,7 @@ OnLife = Callable[[int, float], None]
 OnMotion = Callable[[float, float, float], None]
 """Called with time (s), sliding distance (um) and velocity x' (um/s) of a landmark."""
 
+_LIVES: Final = ("birth", "mid_life", "death")
 _MOTION: Final = {kind.name.lower(): kind for kind in LandmarkKind}
 
 
@@ -71,61 +70,37 @@ class Observer:
     @property
     def of_lives(self) -> bool:
         """Whether it watches births, mid-lives or deaths."""
-        return any(function is not None for function in (self.birth, self.mid_life, self.death))
+        return any(getattr(self, name) is not None for name in _LIVES)
 
 
 class Notifier:
-    """Calls an observer exactly once for each event, wherever a run is cut into blocks.
+    """Calls an observer at the events of a run, up to its end (um).
 
     In a two-way run, the contact is played ahead of the slider. So a birth, mid-life or death waits until the slider
     first passes it.
     """
 
-    def __init__(self, observer: Observer, *, two_way: bool = False) -> None:
-        """Start with no live junctions."""
-        self._observer = observer
-        self._two_way = two_way
+    def __init__(self, observer: Observer, end: float, *, two_way: bool = False) -> None:
+        """Begin; nothing waits."""
+        self._end, self._two_way = end, two_way
+        self._of_lives: dict[str, OnLife | None] = {name: getattr(observer, name) for name in _LIVES}
+        self._of_motion = {kind.value: getattr(observer, name) for name, kind in _MOTION.items()}
         self._waiting: list[tuple[float, int, OnLife, int]] = []
         self._order = count()
-        self._of_motion = {kind.value: getattr(observer, name) for name, kind in _MOTION.items()}
-        self._rising: set[int] = set()
-        self._alive: set[int] = set()
 
-    def begin(self, carried: LiveRows, distance: float) -> None:
-        """Record the junctions alive when the first block begins, at ``distance`` um."""
-        self._alive.update(carried.junction[carried.death > distance].tolist())
-        self._rising.update(carried.junction[_middle(carried) > distance].tolist())
+    def watches(self, event: str) -> bool:
+        """Return whether the observer asks for births, mid-lives or deaths."""
+        return self._of_lives[event] is not None
 
-    def is_rising(self, junction: int) -> bool:
-        """Return whether the mid-life of a junction is still to be reported, and the observer asks for it."""
-        return self._observer.mid_life is not None and junction in self._rising
-
-    def birth(self, junction: int, distance: float) -> None:
-        """Report a birth."""
-        self._alive.add(junction)
-        self._rising.add(junction)
-        self._call(self._observer.birth, junction, distance)
-
-    def mid_life(self, junction: int, distance: float) -> None:
-        """Report a mid-life, unless it has been reported."""
-        if junction in self._rising:
-            self._rising.remove(junction)
-            self._call(self._observer.mid_life, junction, distance)
-
-    def death(self, junction: int, distance: float) -> None:
-        """Report a death, unless it has been reported."""
-        if junction in self._alive:
-            self._alive.remove(junction)
-            self._rising.discard(junction)
-            self._call(self._observer.death, junction, distance)
-
-    def end_block(self, rows: LiveRows, distance: float) -> None:
-        """Report mid-lives and deaths up to the end of a block (um) that its clock may have missed by rounding."""
-        moments = [(_middle(rows), self._rising, self.mid_life), (rows.death, self._alive, self.death)]
-        for places, waiting, notify in moments:
-            for row in np.flatnonzero(places <= distance).tolist():
-                if int(rows.junction[row]) in waiting:
-                    notify(int(rows.junction[row]), float(places[row]))
+    def life(self, event: str, junction: int, distance: float) -> None:
+        """Report a birth, a mid-life or a death at its place in um."""
+        function = self._of_lives[event]
+        if function is None or distance > self._end:
+            return
+        if self._two_way:
+            heappush(self._waiting, (distance, next(self._order), function, junction))
+        else:
+            function(junction, distance)
 
     def landmarks(self, columns: Mapping[str, NDArray[Any]]) -> None:
         """Report landmarks in order, each after the events that the slider passed before it."""
@@ -141,17 +116,3 @@ class Notifier:
         while self._waiting and self._waiting[0][0] <= distance:
             place, _, function, junction = heappop(self._waiting)
             function(junction, place)
-
-    def _call(self, function: OnLife | None, junction: int, distance: float) -> None:
-        if function is None:
-            return
-        if self._two_way:
-            heappush(self._waiting, (distance, next(self._order), function, junction))
-        else:
-            function(junction, distance)
-
-
-def _middle(rows: LiveRows) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Return where each life has its greatest area (um); infinite for a life that ends before."""
-    middle = rows.birth + rows.half_life
-    return np.where(middle < rows.death, middle, np.inf)

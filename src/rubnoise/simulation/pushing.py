@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled, compiled_within
 from rubnoise.record.rows import LandmarkKind, Phase
-from rubnoise.simulation.force_cells import ForceCells, expand, force_at, work_over
+from rubnoise.simulation.force_cells import ForceCells, expand, work_over
 from rubnoise.simulation.series import rate, rate_of_rate, value
 
 Records = NDArray[Any]
@@ -28,6 +28,9 @@ Moving = Any
 
 ORDER: Final = 8
 """Highest power of time in a step."""
+
+CUBIC: Final = 3
+"""Highest power of distance in the force."""
 
 TOLERANCE: Final = 1e-11
 """Largest size of the last two terms of a step's series, over the width of a cell."""
@@ -213,7 +216,7 @@ def write_rows(
         since = max(now.row * drive.row_time - now.time, 0.0)
         moved, row = value(series, ORDER, since), out.rows[now.row - out.first]
         row.distance = origin + moved
-        row.friction_force = way * max(force_at(piece, moved), 0.0)
+        row.friction_force = way * max(value(piece, CUBIC, moved), 0.0)
         if now.phase == STUCK:
             row.friction_force = held + drive.stiffness * drive.speed * since
         row.displacement = now.displacement + drive.speed * since - moved
@@ -326,7 +329,7 @@ def slip(
     now.relative, now.fresh = rate(series, ORDER, duration), 0
     now.y = border if at_border else min(max(now.y + moved / width, 0.0), 1.0)
     if halt <= duration:
-        arrive(now, drive, width, force_at(piece, moved), out)
+        arrive(now, drive, width, value(piece, CUBIC, moved), out)
     return True
 
 

@@ -7,7 +7,7 @@ it is a `rubnoise.storage.writer.RunWriter`. In two-way and in free motion, `two
 """
 
 import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -26,7 +26,7 @@ from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.junctions import Processes
 from rubnoise.simulation.linear import LinearMotion, slider_constants
 from rubnoise.simulation.observer import Notifier, Observer
-from rubnoise.simulation.state import Block, LiveRows, State, Watch, junction_columns
+from rubnoise.simulation.state import LiveRows, State, Watch, junction_columns
 from rubnoise.simulation.ticks import TickRange, tick_ranges
 
 if TYPE_CHECKING:
@@ -35,11 +35,9 @@ if TYPE_CHECKING:
 Ended = Callable[[Integers], Doubles]
 """Returns where each junction was ended early (um), given the junctions' numbers; infinite if it was not."""
 
-Play = Callable[[Block], Iterator[LiveRows]]
-"""An engine: yields for each tick range of a block all junctions alive in it, and then all rows, carried ones first.
-
-A row has its departure if its life has ended.
-"""
+Play = Callable[[State, LiveRows, float, Sequence[TickRange]], Iterator[LiveRows]]
+"""An engine: plays a block from a state on, given its births, its end (um) and its tick ranges. It yields for each tick
+range all junctions alive in it, and then all rows, carried ones first."""
 
 
 def simulate(
@@ -66,10 +64,10 @@ def simulate(
 
         state, step = State(), FreeMotion(model, model.free, seed, sink, watch).next_state
     else:
-        notifier = None if observe is None else Notifier(observe, two_way=model.is_two_way)
+        notifier = None if observe is None else Notifier(observe, model.distance, two_way=model.is_two_way)
         play: Play = partial(play_at_once, ended=ended)
         if engine == "events":
-            play = Processes(model, notifier if observe is not None and observe.of_lives else None, intervene)
+            play = Processes(model, notifier, intervene)
         state = start(model, seed)
         step = Contact(model, seed, sink, play, watch, state.live, notifier).next_state
     with _collecting_by_blocks() as collect:
@@ -109,7 +107,7 @@ class Contact:
         born, next_birth = draw_block(model, self._seed, state.block, state.next_birth, state.junctions)
         end = min(next_birth, model.distance)
         ranges = list(tick_ranges(model, state.ticks, next_birth, cells))
-        playing = self._play(Block(state=state, born=born, end=end, tick_ranges=ranges))
+        playing = self._play(state, born, end, ranges)
         for tick_range in ranges:
             self._write_ticks(tick_range, next(playing))
         rows = next(playing)
@@ -123,7 +121,7 @@ class Contact:
             next_birth=next_birth,
             junctions=state.junctions + len(born),
             ticks=ticks,
-            live=_carried(rows, (ticks - 1) * model.tick),
+            live=rows.at(np.flatnonzero(rows.death > (ticks - 1) * model.tick)),
         )
 
     def _write_ticks(self, tick_range: TickRange, rows: LiveRows) -> None:
@@ -152,29 +150,24 @@ class Contact:
             self._sink.write("junctions", int(rows.junction[row]), found)
 
 
-def _carried(rows: LiveRows, last_tick: float) -> LiveRows:
-    """Return the rows that live beyond the last finished tick; a departure at the natural death becomes infinite."""
-    kept = rows.at(np.flatnonzero(rows.death > last_tick))
-    return replace(kept, departure=np.where(kept.departure < kept.natural_death, kept.departure, np.inf))
-
-
-def play_at_once(block: Block, ended: Ended | None = None) -> Iterator[LiveRows]:
+def play_at_once(
+    state: State, born: LiveRows, end: float, ranges: Sequence[TickRange], ended: Ended | None = None
+) -> Iterator[LiveRows]:
     """Play a block without events: births and diameters already say which junctions live where.
 
     The rows are those of the processes, bit for bit, because those are also computed from draws and never from the
     clock. ``ended``: says where an intervention ended lives, if the run had one and is replayed.
     """
-    rows = block.state.live.then(block.born)
-    natural = rows.natural_death
-    departure = rows.departure if ended is None else np.minimum(rows.departure, ended(rows.junction))
-    rows = replace(rows, departure=np.minimum(departure, natural))
-    for tick_range in block.tick_ranges:
+    rows = state.live.then(born)
+    if ended is not None:
+        rows = replace(rows, departure=ended(rows.junction))
+    for tick_range in ranges:
         known = rows
         if ended is not None:
             # For lives that were ended early, kernels use another method. So the end is hidden until the tick range
             # in which the processes would have it.
-            wake = block.end if tick_range is block.tick_ranges[-1] else tick_range.wake
-            known = replace(rows, departure=np.where(rows.departure > wake, natural, rows.departure))
+            wake = end if tick_range is ranges[-1] else tick_range.wake
+            known = replace(rows, departure=np.where(rows.departure > wake, np.inf, rows.departure))
         # Many of the block's births may lie behind the last tick of the range; leaving them out saves time.
         yield known.at(slice(0, int(np.searchsorted(rows.birth, tick_range.last_distance, side="right"))))
     yield rows

@@ -1,6 +1,6 @@
 """The rows of junctions as a run holds them and as /junctions has them, and what one block passes to the next."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -11,7 +11,6 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import half_life, max_area, peak_areas
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
-from rubnoise.simulation.ticks import TickRange
 
 Watch = Callable[[float, int, int], None]
 """Called after each tick range: distance reached (um), junctions born, live count. It may raise to stop the run."""
@@ -23,9 +22,9 @@ _NOTHING = np.empty(0)
 class LiveRows:
     """Junctions whose death lies beyond the last finished tick, in order of birth.
 
-    junction: row numbers; birth, diameter, departure (um); strength (MPa). departure is infinite for a junction that is
-    alive, and the distance of its end for one that was ended early. offset: distance of each pass from the centre line
-    (um), with a sign; None if all pass through both centres.
+    junction: row numbers; birth, diameter, departure (um); strength (MPa). departure: where a life was ended early;
+    infinite if it was not. offset: distance of each pass from the centre line (um), with a sign; None if all pass
+    through both centres.
     """
 
     junction: NDArray[np.int64]
@@ -93,21 +92,6 @@ class State:
     junctions: int = 0
     ticks: int = 0
     live: LiveRows = field(default_factory=LiveRows.none)
-
-    @property
-    def begin(self) -> float:
-        """Where the next block begins, in um."""
-        return self.next_birth if self.block else 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Block:
-    """What an engine plays: the junctions that are born in a block, up to its ``end`` (um), and its tick ranges."""
-
-    state: State
-    born: LiveRows
-    end: float
-    tick_ranges: Sequence[TickRange]
 
 
 def junction_columns(model: Model, rows: LiveRows) -> dict[str, NDArray[Any]]:

@@ -4,7 +4,6 @@ A row of /junctions says when the slider first passed the birth and the death. S
 known, and all later rows wait behind it. Junctions behind the slider are kept as far as it may run back.
 """
 
-from dataclasses import replace
 from math import ceil, floor, inf
 from typing import Final
 
@@ -100,7 +99,10 @@ class TwoWayMotion:
         """
         if self._finished:
             return
-        self._take(rows.at(np.flatnonzero(rows.junction >= self._drawn)))
+        born = rows.at(np.flatnonzero(rows.junction >= self._drawn))
+        self._drawn += len(born)
+        self._rows = self._rows.then(born)
+        self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
         final = known >= self._model.distance
         place = self._model.distance if final else known
         stop = Stop(floor(place / self._width), 0.0)
@@ -116,11 +118,6 @@ class TwoWayMotion:
         self._write_known()
         if self._notifier is not None:
             self._notifier.reach(inf if final else self.distance)
-
-    def _take(self, born: LiveRows) -> None:
-        self._drawn += len(born)
-        self._rows = self._rows.then(replace(born, departure=np.full(len(born), inf)))
-        self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
 
     def _is_at(self, stop: Stop) -> bool:
         cell, y = int(self.state["cell"][0]), float(self.state["y"][0])

@@ -28,34 +28,19 @@ that was."""
 
 
 class Law(NamedTuple):
-    """v; 1/N; 2 zeta; e^2; beta, 0 with restitution; drag and spring of a slider along the surface, over its mass."""
+    """Constants of a run, in the units c, s_0, 1/omega_c, W.
+
+    v; 1/N; 2 zeta of the dashpot beside the contact; e^2; beta, 0 with restitution; drag and spring over mass of a
+    slider along the surface, which is driven by (1/N) sum of strengths times overlaps; 0 if there is none.
+    """
 
     speed: float
     per_live: float
-    drag: float
-    unloaded: float
-    growth: float
-    own_drag: float
-    own_spring: float
-
-
-def law_of(
-    live: float,
-    speed: float,
-    *,
-    damping_ratio: float = 0.0,
-    restitution: float | None = None,
-    impact_damping: float | None = None,
-    slider: tuple[float, float] = (0.0, 0.0),
-) -> Law:
-    """Return the constants of a run, in the units c, s_0, 1/omega_c, W.
-
-    live: N at z = 0; speed: v; damping_ratio: of the dashpot beside the contact; restitution: e, or else
-    impact_damping: beta s_0 omega_c, where 0 loses nothing, as e = 1. slider: drag and spring over mass of a slider
-    along the surface, which is driven by (1/N) sum of strengths times overlaps; the spring is 0 if there is none.
-    """
-    unloaded, growth = 1.0 if restitution is None else restitution * restitution, impact_damping or 0.0
-    return Law(speed, 1.0 / live, 2.0 * damping_ratio, unloaded, growth, *slider)
+    drag: float = 0.0
+    unloaded: float = 1.0
+    growth: float = 0.0
+    own_drag: float = 0.0
+    own_spring: float = 0.0
 
 
 class Series(NamedTuple):
@@ -182,54 +167,40 @@ OVERLAP, RATE = range(2)
 
 @compiled_within
 def motion_series(
-    velocity: float, sums: Doubles, powers: Doubles, per_live: float, drag: float, growth: float, series: Doubles
+    start: tuple[float, float],
+    sums: Doubles,
+    law: Law,
+    holds: tuple[float, float, float],
+    growth: float,
+    series: Series,
+    filled: Doubles,
 ) -> None:
-    """Fill the coefficients of z - z(0): z'' = (P_linear + growth sum delta delta')/N - 1 - drag z'.
+    """Fill the coefficients of y: y'' = (sum of overlaps + growth sum delta delta')/N - weight - drag y' - spring y.
 
-    sums: coefficients of 1, t, t^2 of the weighted overlaps in contact with constant z, and the sum of weights; powers:
-    four coefficients of their products with their rates.
+    y is z itself, or x if ``series.z`` has been filled. start: y, y'; sums: the row of ``series.sums`` by which the
+    overlaps are weighted; holds: weight, drag, spring.
     """
-    series[0], series[1] = 0.0, velocity
+    z, powers, (weight, drag, spring) = series.z, series.sums[POWERS], holds
+    filled[0], filled[1] = start
     for n in range(ORDER - 1):
-        force = -sums[3] * series[n]
+        force = -sums[3] * z[n]
         if n < 3:
             force += sums[n]
         if growth != 0.0:
             bent = 0.0
             for k in range(n + 2):
-                bent += series[k] * series[n + 1 - k]
+                bent += z[k] * z[n + 1 - k]
             mixed = 0.0
             for k in range(min(3, n + 2)):
-                mixed += sums[k] * series[n + 1 - k]
+                mixed += sums[k] * z[n + 1 - k]
             product = float(n + 1) * (0.5 * sums[3] * bent - mixed)
             if n < 4:
                 product += powers[n]
             force += growth * product
-        push = per_live * force - drag * float(n + 1) * series[n + 1]
+        push = law.per_live * force - drag * float(n + 1) * filled[n + 1] - spring * filled[n]
         if n == 0:
-            push -= 1.0
-        series[n + 2] = push / float((n + 1) * (n + 2))
-
-
-@compiled_within
-def pushed_series(
-    place: float,
-    velocity: float,
-    sums: Doubles,
-    per_live: float,
-    drag: float,
-    spring: float,
-    z: Doubles,
-    series: Doubles,
-) -> None:
-    """Fill the coefficients of x, with x'' + drag x' + spring x = (1/N) sum of shares times overlaps."""
-    series[0], series[1] = place, velocity
-    for n in range(ORDER - 1):
-        force = -sums[3] * z[n]
-        if n < 3:
-            force += sums[n]
-        push = per_live * force - drag * float(n + 1) * series[n + 1] - spring * series[n]
-        series[n + 2] = push / float((n + 1) * (n + 2))
+            push -= weight
+        filled[n + 2] = push / float((n + 1) * (n + 2))
 
 
 @compiled_within

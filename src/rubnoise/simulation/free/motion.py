@@ -11,7 +11,6 @@ from rubnoise.simulation.free.contacts import (
     LOADS,
     ORDER,
     OVERLAP,
-    POWERS,
     RATE,
     SHARES,
     TURN,
@@ -24,7 +23,6 @@ from rubnoise.simulation.free.contacts import (
     load_of,
     motion_series,
     overlap_of,
-    pushed_series,
     rate_of,
     shortened,
     slides_until,
@@ -175,14 +173,15 @@ def _prepare(now: Any, law: Law, contacts: Records, longest: float, series: Seri
         series.z[:] = 0.0
         series.z[1], series.z[2] = now.w, -law.speed * law.speed
     else:
-        motion_series(now.w, sums[LOADS], sums[POWERS], law.per_live, law.drag, law.growth, series.z)
+        motion_series((0.0, now.w), sums[LOADS], law, (1.0, law.drag, 0.0), law.growth, series, series.z)
         damped = law.drag + law.growth * law.per_live * max(sums[LOADS, 0], 0.0)
         step = min(
             step, 2.0 * TURN / (damped + np.sqrt(damped * damped + 4.0 * law.per_live * sums[LOADS, 3]) + 1e-300)
         )
         step = shortened(series.z, step)
     if law.own_spring > 0.0:
-        pushed_series(now.x, now.u, sums[SHARES], law.per_live, law.own_drag, law.own_spring, series.z, series.x)
+        holds = 0.0, law.own_drag, law.own_spring
+        motion_series((now.x, now.u), sums[SHARES], law, holds, 0.0, series, series.x)
         own = law.own_drag
         step = min(step, 2.0 * TURN / (own + np.sqrt(own * own + 4.0 * law.own_spring)))
         step = shortened(series.x, step)
