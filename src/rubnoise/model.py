@@ -179,15 +179,18 @@ class Model:
         return 4.0 * self.slider.asperity_height / (pi * self.sizes.mean)
 
     @property
-    def equilibrium_displacement(self) -> float:
-        """Displacement in um at which the slider starts: psi times the stationary mean area over k.
+    def balanced_displacement(self) -> float:
+        """Displacement in um at which the spring holds the mean friction force: psi times the stationary area over k.
 
-        0 from rest or without a slider; over a base, the mean of the base.
+        0 without a force; over a base, the mean of the base.
         """
-        if self.slider is None or self.slider.start == "rest":
-            return 0.0
-        if self.slider.excitation == "base":
+        if self.base_per_area:
             return self.base_per_area * self.stationary_mean_area
-        if self.strengths is None:
+        if self.slider is None or self.strengths is None:
             return 0.0
         return self.strengths.moment(1) * self.stationary_mean_area / self.slider.stiffness
+
+    @property
+    def equilibrium_displacement(self) -> float:
+        """Displacement in um at which the slider starts: in balance, or 0 from rest or without a slider."""
+        return 0.0 if self.slider is None or self.slider.start == "rest" else self.balanced_displacement

@@ -14,15 +14,13 @@ Engine = Literal["events", "batch"]
 
 def extent(model: Model, seed: int) -> Extent:
     """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
-    ticks = model.tick_count + 1
-    if model.free is not None:
-        return Extent(junctions=None, ticks=ticks, slider=model.slider_rows, landmarks=None, load=ticks)
+    ticks, free = model.tick_count + 1, model.free is not None
     return Extent(
-        junctions=start(model, seed).junctions + count_births(model, seed),
+        junctions=None if free else start(model, seed).junctions + count_births(model, seed),
         ticks=ticks,
         slider=model.slider_rows,
-        landmarks=None if model.is_two_way else 0,
-        load=0 if model.separation is None else ticks,
+        landmarks=None if free or model.is_two_way else 0,
+        load=0 if model.held is None else ticks,
     )
 
 
@@ -30,7 +28,7 @@ PROGRAM_BYTES: Final = 225_000_000
 """Memory of a process before the run, with everything loaded that a run needs."""
 
 DRAWN_BYTES: Final = 50
-ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 480, "batch": 200}
+ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 320, "batch": 200}
 ALIVE_BYTES: Final[Mapping[Engine, int]] = {"events": 1000, "batch": 0}
 POSITION_BYTES: Final = 140
 """Memory for each birth drawn in a block, each row of the block that is played, each junction alive at the same time,

@@ -46,7 +46,7 @@ class LiveSet:
 
     def alive(self) -> LiveRows:
         """Return the junctions that have a process now, in order of birth."""
-        return self._rows.at(np.flatnonzero(np.isin(self._rows.junction, list(self.processes))))
+        return self._rows.at(np.searchsorted(self._rows.junction, list(self.processes)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

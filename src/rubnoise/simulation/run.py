@@ -8,7 +8,6 @@ it is a `rubnoise.storage.writer.RunWriter`. In two-way and in free motion, `two
 
 import gc
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -70,10 +69,16 @@ def simulate(
             play = Processes(model, notifier, intervene)
         state = start(model, seed)
         step = Contact(model, seed, sink, play, watch, state.live, notifier).next_state
-    with _collecting_by_blocks() as collect:
+    # Inside a block, the collector of garbage would check all live processes again and again: a fifth of the time.
+    looked = gc.isenabled()
+    gc.disable()
+    try:
         while state.ticks <= model.tick_count or (model.free is None and state.next_birth <= model.distance):
             state = step(state)
-            collect()
+            gc.collect(0)
+    finally:
+        if looked:
+            gc.enable()
     return state
 
 
@@ -171,21 +176,6 @@ def play_at_once(
         # Many of the block's births may lie behind the last tick of the range; leaving them out saves time.
         yield known.at(slice(0, int(np.searchsorted(rows.birth, tick_range.last_distance, side="right"))))
     yield rows
-
-
-@contextmanager
-def _collecting_by_blocks() -> Iterator[Callable[[], object]]:
-    """Switch off automatic garbage collection, and yield a function that collects the garbage of a block.
-
-    Inside a block, the collector would check all live processes and events again and again: a fifth of the time.
-    """
-    looked = gc.isenabled()
-    gc.disable()
-    try:
-        yield partial(gc.collect, 0)
-    finally:
-        if looked:
-            gc.enable()
 
 
 def check_guests(model: Model, engine: Engine, observe: Observer | None, intervene: Intervention | None) -> None:

@@ -62,7 +62,7 @@ class TwoWayMotion:
         self._width = coupled_spacing(model)
         self.state = np.zeros(1, STATE)
         self.state["displacement"], self.state["relative"] = model.equilibrium_displacement, speed
-        self._largest = max(abs(model.equilibrium_displacement), _balanced(model))
+        self._largest = max(abs(model.equilibrium_displacement), model.balanced_displacement)
         self._covered = -inf
         rows = live
         if model.start == "stationary":
@@ -84,7 +84,7 @@ class TwoWayMotion:
         sqrt(x^2 + (V/omega_0)^2) + |x|. Twice this is kept, and at least twenty times the displacement in balance.
         """
         swing = self._drive.speed * (self._drive.mass / self._drive.stiffness) ** 0.5
-        return 4.0 * self._largest + 4.0 * swing + _DEFLECTIONS * _balanced(self._model)
+        return 4.0 * self._largest + 4.0 * swing + _DEFLECTIONS * self._model.balanced_displacement
 
     @property
     def distance(self) -> float:
@@ -202,10 +202,3 @@ class TwoWayMotion:
     def _write_junctions(self, rows: LiveRows, times: Doubles) -> None:
         columns = junction_columns(self._model, rows)
         self._sink.write("junctions", self._written, columns | {"birth_time": times[0], "death_time": times[1]})
-
-
-def _balanced(model: Model) -> float:
-    """Return the displacement at which the spring holds the mean friction force, in um."""
-    if model.slider is None or model.strengths is None:
-        return 0.0
-    return model.strengths.moment(1) * model.stationary_mean_area / model.slider.stiffness
