@@ -1,6 +1,6 @@
 """The same bits under every setting: `python3 tools/dev.py check bits`.
 
-The golden runs and draws of tests/golden are computed again under other settings of the processor, of Python and of
+The golden runs and draws of tests/reference are computed again under other settings of the processor, of Python and of
 threads; what CI does with the oldest and the newest libraries is to run their tests. Prints a table in Markdown with
 the largest difference of a golden value, over the largest of its column, and with what differs; exit code 1 where
 anything does.
@@ -40,7 +40,7 @@ SETTINGS: Final[dict[str, dict[str, str]]] = {
 
 def made(*words: str, **variables: str) -> dict[str, Any]:
     """Return the golden values or draws that a new process computes under a setting; raises CalledProcessError."""
-    command = [sys.executable, "-m", "tests.golden.hashes", *words]
+    command = [sys.executable, "-m", "tests.reference.hashes", *words]
     done = subprocess.run(command, cwd=ROOT, env=os.environ | variables, stdout=subprocess.PIPE, check=True)
     found: dict[str, Any] = json.loads(done.stdout)
     return found

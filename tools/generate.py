@@ -12,7 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 FROZEN = (
-    *("tests/cli/test_refusals.py", "tests/docs/test_constants.py", "tests/unit/test_laws.py"),
+    *("tests/shell/test_refusals.py", "tests/docs/test_constants.py", "tests/unit/test_laws.py"),
     *("tests/unit/test_pulses.py", "tests/unit/test_refusals.py", "tests/unit/test_scenario_traps.py"),
 )
 """Tests that hold frozen values or words."""
@@ -36,7 +36,7 @@ STEPS: dict[str, tuple[str, Callable[[], object]]] = {
     "drawings": ("drawings that explain the model, light and dark", called("tools/draw_pages.py")),
     "gallery": ("the pictures of docs/gallery.md, in minutes", called("tools/generate_gallery.py")),
     "paper": ("claims of the paper and of its field, in minutes", called("tools/paper")),
-    "golden": ("bits and values of golden runs", called("-m", "tests.golden.hashes", "--write")),
+    "golden": ("bits and values of golden runs", called("-m", "tests.reference.hashes", "--write")),
     "frozen": ("frozen values and words of refusals", called("-m", "pytest", "-n0", "--freeze", *FROZEN)),
     "ceilings": ("how much each room holds at most, lowered", called("-m", "tests.architecture.test_ceilings")),
 }

@@ -65,7 +65,7 @@ def test_one_file_of_python_draws() -> None:
     assert contract["ignore_imports"] == ["rubnoise -> rubnoise.**", "rubnoise.api.pictures -> rubnoise.figures.*"]
 
 
-# What `import rubnoise` gives, and what it costs; tests/cli/test_help.py asks every command for its help.
+# What `import rubnoise` gives, and what it costs; tests/shell/test_help.py asks every command for its help.
 HEAVY = "{'numpy', 'scipy', 'numba', 'h5py', 'pydantic', 'pint', 'simpy', 'matplotlib', 'mpmath', 'xarray'}"
 
 

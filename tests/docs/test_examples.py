@@ -20,7 +20,7 @@ from PIL import Image
 
 import rubnoise
 from tests.architecture.sources import ROOT
-from tests.cli.terminal import Answer, call
+from tests.shell.terminal import Answer, call
 from tools import build_site
 from tools import generate_gallery as tool
 

@@ -18,7 +18,7 @@ from rubnoise.figures.tracks import Track
 from rubnoise.scenario import Scenario, build
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.theory.moments import area_cumulants
-from tests.verification.scores import seed_of
+from tests.laws.scores import seed_of
 
 # Pictures of sweeps: what goes along the axis, what theory draws through the points, and what is refused.
 STD = "real_contact_area_std"

@@ -14,8 +14,8 @@ from scipy.io import netcdf_file
 import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.storage.foreign import read_measured
-from tests.cli.terminal import call
 from tests.inference.traces import contact, signal
+from tests.shell.terminal import call
 
 FORCE = np.round(signal(contact("normal", 0.2, 20, 12), 5).values / 1000.0, 5)
 TIME = np.arange(FORCE.size) / 2500.0

@@ -11,8 +11,8 @@ import pytest
 
 import rubnoise
 from rubnoise.api.keywords import scale_of
-from tests.cli.terminal import call
 from tests.inference.traces import contact, signal
+from tests.shell.terminal import call
 from tools.parts import parts_of
 from tools.studies import inference as infer_study
 

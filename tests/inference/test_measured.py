@@ -14,8 +14,8 @@ from rubnoise.api.inferring import infer
 from rubnoise.errors import Refused, in_shell
 from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked
-from tests.cli.terminal import call, spawn
 from tests.inference.traces import contact, signal
+from tests.shell.terminal import call, spawn
 
 FORCE = np.round(50.0 + np.sin(np.arange(40.0)), 4)
 

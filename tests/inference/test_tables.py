@@ -9,7 +9,7 @@ import rubnoise
 from rubnoise.errors import Refused, in_shell
 from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked
-from tests.cli.terminal import call
+from tests.shell.terminal import call
 
 COUNT = 40
 TIMES = [f"{0.01 * n:.2f}" for n in range(COUNT)]

@@ -13,9 +13,9 @@ import rubnoise
 from rubnoise.lesson.page import page as page_text
 from rubnoise.lesson.page import record_of
 from rubnoise.lesson.settings import settings_of
+from tests.laws.scores import seed_of
 from tests.lesson.node import answer, scenario_of, world_with
 from tests.lesson.walk import CALM, UNHURRIED, opened
-from tests.verification.scores import seed_of
 
 # What the page draws: junctions of a stationary contact, from a seed, as theory says that they are.
 LARGEST_Z = 4.0

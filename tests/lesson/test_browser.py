@@ -13,9 +13,9 @@ from rubnoise.lesson.page import LAWS, readings
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.second_order import area_noise, count_noise
+from tests.laws.scores import seed_of
 from tests.lesson.node import answer, lessons, scenario_of, world_with
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
-from tests.verification.scores import seed_of
 
 # The page in a real browser: it opens, plays, is quick, fits, and makes no requests.
 COUNTED = """

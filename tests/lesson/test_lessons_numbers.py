@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import rubnoise
+from tests.laws.scores import seed_of
 from tests.lesson.node import FIGURE_5, scenario_of
 from tests.lesson.walk import UNFOLD
-from tests.verification.scores import seed_of
 
 pytestmark = pytest.mark.slow
 

@@ -12,10 +12,10 @@ from rubnoise.simulation.free.contacts import Law
 from rubnoise.simulation.free.encounters import RoughSurface
 from rubnoise.simulation.free_motion import FreeRun
 from rubnoise.simulation.state import LiveRows
+from tests.laws.scores import seed_of, z_scores
 from tests.lesson.node import answer, scenario_of, world_with
 from tests.models import CoupledRun, coupled, lived
 from tests.oracle.sliders import bounce
-from tests.verification.scores import seed_of, z_scores
 
 pytestmark = pytest.mark.slow
 

@@ -11,10 +11,10 @@ import pytest
 
 import rubnoise
 from rubnoise.pages.statistics import CELLS
-from tests.cli.terminal import call
 from tests.lesson import walk as lesson
 from tests.lesson.walk import painted, until
 from tests.pages.test_reports import page_of
+from tests.shell.terminal import call
 
 TICK = 0.1
 

@@ -17,8 +17,8 @@ from rubnoise.figures.stretch import Stretch
 from rubnoise.pages import run_view
 from rubnoise.pages.run_view import RunView
 from rubnoise.storage.reader import open_run
-from tests.cli.terminal import PAPER, call
 from tests.pages.reading import PARTS, answer, data_of
+from tests.shell.terminal import PAPER, call
 
 
 @pytest.fixture(scope="module")

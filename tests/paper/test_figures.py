@@ -20,7 +20,7 @@ from rubnoise.figures import style
 from rubnoise.scenario.sweep import load_sweep
 from rubnoise.theory.moments import area_cumulants
 from tests.figures.papers import PAPER, of_colour, short_papers
-from tests.verification.scores import seed_of
+from tests.laws.scores import seed_of
 
 pytestmark = pytest.mark.slow
 

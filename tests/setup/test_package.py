@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from tests.architecture.sources import ROOT
-from tests.cli.terminal import call
+from tests.shell.terminal import call
 from tools.package_page import repository, with_links
 
 pytestmark = pytest.mark.slow

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from tests.cli.terminal import call
+from tests.shell.terminal import call
 
 pytest.importorskip("SurfaceTopography")
 

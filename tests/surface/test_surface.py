@@ -17,8 +17,8 @@ from rubnoise.surface.normal_motion import filtered_variance
 from rubnoise.surface.sliding import SlidingContact, patches
 from rubnoise.surface.waves import Waves, self_affine
 from rubnoise.theory.coupling import load_motion, overlap_scale
-from tests.cli.terminal import call
 from tests.oracle.sliding_surfaces import areas_at, heights_at, patch_counts, slid
+from tests.shell.terminal import call
 
 N = 512
 

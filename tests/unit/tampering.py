@@ -19,8 +19,8 @@ from rubnoise.storage.format import seal_of
 from rubnoise.storage.objects import read_attributes
 from rubnoise.storage.reader import RunFile, open_run, read_provenance, read_summary
 from rubnoise.storage.schema import HASH, ROOT, Feature
-from tests.format.runs import BARE, describe, random_rows, write_run
-from tests.format.runs import EVERYTHING as EVERY_FEATURE
+from tests.files.runs import BARE, describe, random_rows, write_run
+from tests.files.runs import EVERYTHING as EVERY_FEATURE
 from tests.models import model
 
 # Result files of every kind, and values in them changed behind the back of their hashes.

@@ -18,8 +18,8 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.theory.moments import Cumulants
+from tests.laws.scores import Held, seed_of
 from tests.models import bare, model, recorded
-from tests.verification.scores import Held, seed_of
 
 QUICK = Slider(mass=0.005, stiffness=300.0, damping=0.5)
 RIGHT = {

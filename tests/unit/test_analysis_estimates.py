@@ -18,9 +18,9 @@ from rubnoise.analysis.records import (
 )
 from rubnoise.theory.second_order import area_noise
 from rubnoise.theory.second_order import autocovariance as model_covariance
+from tests.laws.scores import seed_of
 from tests.models import bare, recorded
 from tests.unit.theory_models import Doubles, memory, white
-from tests.verification.scores import seed_of
 
 # Batch means of a record whose autocorrelation is known.
 

@@ -24,9 +24,9 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.storage.wave_file import STEPS, write_wave
 from rubnoise.theory.sampling import expected_periodogram
+from tests.laws.scores import seed_of
 from tests.models import bare, recorded
 from tests.unit.theory_models import memory, white
-from tests.verification.scores import seed_of
 
 # Spectra of records, whole or in pieces: Welch, bands and sums of streams.
 # Welch's spectrum: scipy's numbers in the house's convention, however the record comes in, and its errors.

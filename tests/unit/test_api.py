@@ -19,7 +19,7 @@ from rubnoise.errors import RunFileRefused, RunStopped, ScenarioRefused
 from rubnoise.record.rows import JunctionState
 from rubnoise.runs.folder import numbers_in, summarised
 from rubnoise.scenario.sweep import expand
-from tests.cli.terminal import CONTACT, WITH_SLIDER, names
+from tests.shell.terminal import CONTACT, WITH_SLIDER, names
 from tests.unit.scenarios import GRID, sweep_of
 
 

@@ -14,7 +14,7 @@ from scipy.signal import welch
 
 import rubnoise
 from rubnoise.errors import RunFileRefused
-from tests.verification.scores import seed_of
+from tests.laws.scores import seed_of
 
 # What compare, verify, plot and psd answer in Python, of a run in a file and in memory.
 mpl.use("agg")

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import rubnoise
 from rubnoise.storage import reader
 from rubnoise.storage.schema import TRACE
-from tests.format.runs import Compression, describe, random_rows, write_run
+from tests.files.runs import Compression, describe, random_rows, write_run
 
 PLACE, AREA = TRACE.columns[:2]
 ROWS = 1000

@@ -15,7 +15,7 @@ from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation import draws
 from rubnoise.storage.reader import open_run
-from tests.cli.terminal import call, names
+from tests.shell.terminal import call, names
 from tests.unit.tampering import tell
 
 EVERY = 50.0

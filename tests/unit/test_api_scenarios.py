@@ -14,7 +14,7 @@ from scipy import signal
 import rubnoise
 from rubnoise.api.sweep_result import short_names
 from rubnoise.errors import Refused
-from tests.cli.terminal import call
+from tests.shell.terminal import call
 
 # Scenarios by path, name or object, and other values of their keys.
 UNIT: Any = pint.UnitRegistry()

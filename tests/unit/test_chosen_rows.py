@@ -22,7 +22,7 @@ from rubnoise.analysis.where import LONGEST, ConditionRefused, condition
 from rubnoise.storage.format import LIBRARY_VERSIONS, complete, compose
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import JUNCTIONS, Dataset
-from tests.format.runs import Compression, describe, random_rows, write_run
+from tests.files.runs import Compression, describe, random_rows, write_run
 
 # Which rows are chosen, in which order, and how much is read for it.
 ROWS = 1000

@@ -8,8 +8,8 @@ import pytest
 from rubnoise.contact.laws import Spread
 from rubnoise.simulation.draws import draw_block
 from rubnoise.streams import LARGEST_UNIFORM, Stream, uniforms
+from tests.laws.scores import seed_of
 from tests.models import bare, model
-from tests.verification.scores import seed_of
 
 # Named streams: the same numbers for the same purpose, and others for another.
 COUNT = 20_000

@@ -19,8 +19,8 @@ from rubnoise.theory.ancestors import (
 )
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import response
-from tests.cli.terminal import call
 from tests.models import model
+from tests.shell.terminal import call
 
 
 def one_size(**slider: object) -> Model:

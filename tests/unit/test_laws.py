@@ -16,7 +16,7 @@ from scipy.special import gammainc, ndtr
 from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Lognormal, Normal, Power, Weibull
 from rubnoise.contact.laws import LAWS, Spread, law_for
 from tests.frozen import frozen
-from tests.verification.scores import seed_of
+from tests.laws.scores import seed_of
 
 # The laws again, from their textbook densities and distribution functions.
 # A `Textbook` shares no code with the law that it stands beside: `textbook(law)` reads nothing but its parameters.

@@ -10,7 +10,7 @@ import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.scenario.reading import hash_of, loads
 from rubnoise.scenario.sweep import run_id
-from tests.cli.terminal import call
+from tests.shell.terminal import call
 
 HEAD = 'format = 1\n[interface]\nmean_real_contact_area = "200 um^2"\nmean_junction_count = 20\n'
 RUN = '[sliding]\ndistance = "300 um"\n[run]\nengine = "batch"\n'

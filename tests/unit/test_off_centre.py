@@ -31,7 +31,7 @@ from rubnoise.theory.second_order import (
 from rubnoise.theory.sizes import panels
 from rubnoise.theory.unit_pulse import energy, overlaps
 from tests.architecture.sources import ROOT
-from tests.cli.terminal import call
+from tests.shell.terminal import call
 from tests.unit.test_theory_response import slider_of, stds_in_time
 from tests.unit.theory_models import FIG5_SLIDER, model_of, paper_model
 

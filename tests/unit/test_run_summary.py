@@ -21,8 +21,8 @@ from rubnoise.model import Model
 from rubnoise.record.tally import Moments, Slips, Tally
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.moments import area_cumulants
+from tests.laws.scores import seed_of
 from tests.models import bare, model
-from tests.verification.scores import seed_of
 
 # A run summed up while it passes: what is left of it is what its whole trace would have told.
 RUN = bare(distance=3000.0)

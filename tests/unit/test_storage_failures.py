@@ -20,7 +20,7 @@ from rubnoise.runs.making import describe as describe_run
 from rubnoise.storage.layout import package_version
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
-from tests.format.runs import attempt, describe, names
+from tests.files.runs import attempt, describe, names
 
 
 @contextmanager

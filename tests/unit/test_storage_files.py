@@ -11,7 +11,7 @@ import pytest
 from rubnoise.errors import RubnoiseError
 from rubnoise.regular_file import write_all
 from rubnoise.storage.reader import open_run
-from tests.format.runs import Compression, attempt, describe, random_rows, write_run
+from tests.files.runs import Compression, attempt, describe, random_rows, write_run
 
 
 def test_short_writes_are_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,7 +24,7 @@ from rubnoise.storage.output import (
 )
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
-from tests.format.runs import Compression, attempt, describe, names, random_rows
+from tests.files.runs import Compression, attempt, describe, names, random_rows
 
 
 # An output that cannot be written is refused before anything is created, and a lock keeps others away.

@@ -14,7 +14,7 @@ import pytest
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.reader import TooNew, open_run
 from rubnoise.storage.schema import CHUNK_ROWS
-from tests.format.runs import BARE, Compression, describe, random_rows, write_run
+from tests.files.runs import BARE, Compression, describe, random_rows, write_run
 
 
 @pytest.fixture(name="path")

@@ -14,7 +14,7 @@ from rubnoise.storage import reader
 from rubnoise.storage.objects import rows_of_chunks
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import CHUNK_ROWS
-from tests.format.runs import BARE, Compression, describe, random_rows, write_run
+from tests.files.runs import BARE, Compression, describe, random_rows, write_run
 
 TICKS = 2 * CHUNK_ROWS + 17
 FEW_VALUES = np.arange(5.0)

@@ -20,9 +20,9 @@ from rubnoise.simulation.run import simulate
 from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import motion_errors
 from rubnoise.theory.second_order import area_noise
+from tests.laws.scores import seed_of
 from tests.models import FIG5_SLIDER, bare, model, recorded
 from tests.unit.theory_models import model_of
-from tests.verification.scores import seed_of
 
 # The figures of a run beside the exact ones: which there are, and when a standard error is promised.
 AREA = [

@@ -11,8 +11,8 @@ import pytest
 from rubnoise.runs.sweep import AdaptiveReplicates
 from rubnoise.scenario.sweep import Point, Sweep, points_of
 from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS, Sweeping
+from tests.laws.scores import seed_of
 from tests.unit.scenarios import GRID, sweep_of, sweep_refusal, tallied
-from tests.verification.scores import seed_of
 
 # A precision asks for as many replicates as it takes, in a way that only their own figures decide.
 PRECISE = Sweeping(precision=0.01, quantity="real_contact_area_std", most_replicates=1000)

@@ -14,8 +14,8 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.moments import area_cumulants, force_cumulants, zero_share
 from rubnoise.theory.second_order import count_noise
+from tests.laws.scores import seed_of
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
-from tests.verification.scores import seed_of
 
 
 @pytest.mark.parametrize("mean_count", [0.01, 1.0, 20.0, 5000.0])

@@ -11,10 +11,10 @@ from rubnoise.model import Model, Slider
 from rubnoise.theory.coupling import coupling, weak_coupling_change
 from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import spectral_density
+from tests.laws.scores import seed_of
 from tests.models import model as scenario_model
 from tests.models import recorded
 from tests.unit.theory_models import FIG5_SLIDER, paper_model, regular
-from tests.verification.scores import seed_of
 
 # The strength of coupling and its law against measured motions, a simulation of the law's own picture, and limits.
 MEASURED = [

@@ -15,8 +15,8 @@ from rubnoise.theory.moments import Cumulants, area_cumulants, count_variance, f
 from rubnoise.theory.motion import FORCE, density_of, response
 from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density
 from rubnoise.theory.sizes import longest_life, panels
+from tests.laws.scores import seed_of
 from tests.unit.theory_models import FIG5_SLIDER, drawn, regular
-from tests.verification.scores import seed_of
 
 Doubles = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.sampling import cross_spectrum, expected_periodogram, through_window, welch_errors
 from rubnoise.theory.second_order import area_noise, autocovariance, spectral_density
+from tests.laws.scores import seed_of
 from tests.unit.theory_models import Doubles, drawn_trace, model_of, one_size, periodograms
-from tests.verification.scores import seed_of
 
 TICK = 0.69125  # 16 ticks a life of 11.06 um
 TICKS = 128

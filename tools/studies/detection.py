@@ -32,7 +32,7 @@ from rubnoise.simulation.run import simulate
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import Response, response
 from rubnoise.theory.sampling import mean_displacement_error, motion_errors, standard_errors
-from tests.verification.scores import Held
+from tests.laws.scores import Held
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 PAGE: Final = ROOT / "docs" / "comparing.md"
