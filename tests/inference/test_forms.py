@@ -13,8 +13,7 @@ from scipy.io import netcdf_file
 
 import rubnoise
 from rubnoise.errors import Refused
-from rubnoise.storage.foreign import read_measured
-from tests.inference.traces import contact, signal
+from tests.inference.traces import contact, read_measured, signal
 from tests.shell.terminal import call
 
 FORCE = np.round(signal(contact("normal", 0.2, 20, 12), 5).values / 1000.0, 5)

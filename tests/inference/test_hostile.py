@@ -9,8 +9,8 @@ import pytest
 from scipy.io import savemat, wavfile
 
 from rubnoise.errors import Refused
-from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked
+from tests.inference.traces import read_measured
 
 VALUES = 50.0 + np.sin(np.arange(400.0))
 

@@ -12,9 +12,8 @@ import pytest
 import rubnoise
 from rubnoise.api.inferring import infer
 from rubnoise.errors import Refused, in_shell
-from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked
-from tests.inference.traces import contact, signal
+from tests.inference.traces import contact, read_measured, signal
 from tests.shell.terminal import call, spawn
 
 FORCE = np.round(50.0 + np.sin(np.arange(40.0)), 4)

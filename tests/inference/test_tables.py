@@ -7,8 +7,8 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import Refused, in_shell
-from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked
+from tests.inference.traces import read_measured
 from tests.shell.terminal import call
 
 COUNT = 40

@@ -1,4 +1,6 @@
-"""Traces whose junctions are known, made in memory."""
+"""Traces whose junctions are known, made in memory, and those of files."""
+
+import os
 
 import numpy as np
 
@@ -10,8 +12,16 @@ from rubnoise.model import Model
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
+from rubnoise.storage.foreign import opened
+from rubnoise.storage.measured import Asked, Source, measured
 
 PER_LIFE = 64
+WHOLE = Asked()
+
+
+def read_measured(trace: str | os.PathLike[str], asked: Asked = WHOLE) -> Source:
+    """Return a column of a file and its places, cut and checked."""
+    return measured(opened(trace, asked.column), asked)
 
 
 def contact(

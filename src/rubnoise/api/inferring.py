@@ -27,7 +27,6 @@ from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
-from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import LARGEST_VALUE, Asked, Head, Source, measured
 from rubnoise.units import FREQUENCY, RATIO, SPEED, STRESS, QuantityError, quantity_of
 
@@ -125,7 +124,7 @@ def _measured(trace: Any, asked: Asked) -> Source:
     if isinstance(trace, str | os.PathLike):
         with refusing_files(trace):
             own = _own_result(trace, asked)
-            return read_measured(trace, asked) if own is None else own
+            return measured(opened_file(trace, asked.column), asked) if own is None else own
     if all(hasattr(trace, name) for name in ("columns", "units", "place", "step")):
         return measured(_of_trace(trace), asked)
     if (columns := given_columns(trace, sampled=asked.rate is not None)) is not None:

@@ -20,7 +20,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.signal import clipped, digits
 from rubnoise.real_numbers import with_unit
-from rubnoise.storage.foreign import read_measured
+from rubnoise.storage.foreign import opened
 from rubnoise.storage.measured import Source, measured
 from rubnoise.unit_spelling import NONE, OTHERS, check_unit
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
@@ -83,7 +83,7 @@ class Trace(Table):
             _refuse(f"of a file, which says it: {source}", name=name)
             name, asked = str(source), keywords.asked(place=place, rate=rate, **part)
             with refusing_files(source):
-                found = read_measured(source, asked, every=True)
+                found = measured(opened(source, asked.column), asked, every=True)
         else:
             name, columns = name or "trace", given_columns(source, sampled=rate is not None)
             if columns is None and not isinstance(source, Mapping):

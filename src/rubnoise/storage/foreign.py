@@ -15,7 +15,7 @@ import numpy as np
 
 from rubnoise.errors import NoColumn, Refused
 from rubnoise.regular_file import open_stream, read_at_most
-from rubnoise.storage.measured import Asked, Head, Source, measured
+from rubnoise.storage.measured import Head, Source
 from rubnoise.storage.objects import linked, opened_by_hdf5
 from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.text_table import read_table
@@ -30,13 +30,11 @@ Columns = tuple[list[tuple[Head, Any]], float]
 """Columns with their names and units, and the step in s that the file names, or 0."""
 
 
-def read_measured(trace: str | os.PathLike[str], asked: Asked = Asked(), *, every: bool = False) -> Source:  # noqa: B008
-    """Return a column of a file, or ``every`` one; ``FILE.h5:PATH`` is a dataset. Raises Refused, with the line."""
-    return measured(opened(trace, asked.column), asked, every=every)
-
-
 def opened(trace: str | os.PathLike[str], column: str | None = None) -> Source:
-    """Return the columns of a file by its kind; raises Refused for a file of none. ``column`` names one of MATLAB."""
+    """Return the columns of a file by its kind; raises Refused for a file of none.
+
+    ``FILE.h5:PATH`` is a dataset; ``column`` names one of MATLAB, with which others are as long.
+    """
     text = os.fspath(trace)
     begin, _, name = text.rpartition(":")
     inside = not os.path.exists(text) and os.path.exists(begin)  # noqa: PTH110  (of any text, also of no path)

@@ -288,10 +288,8 @@ def _check_reach(source: Source, number: int) -> None:
 
 def column_of(source: Source, wanted: str, keyword: str) -> int:
     """Return the number of a column by its name, its name as written, or its number from 1 on; raises NoColumn."""
-    names = [head.name for head in source.heads]
-    numbers = [
-        each.index(wanted) for each in (names, [head.written for head in source.heads]) if each.count(wanted) == 1
-    ]
+    names, written = [head.name for head in source.heads], [head.written for head in source.heads]
+    numbers = [each.index(wanted) for each in (names, written) if each.count(wanted) == 1]
     if not numbers and re.fullmatch("[0-9]{1,9}", wanted) and 0 < int(wanted) <= len(names):
         numbers = [int(wanted) - 1]
     if numbers and numbers[0] in source.arrays:
