@@ -200,9 +200,9 @@ def test_levels_of_free_motion_are_those_of_another_program() -> None:
         level = each.levels[at]
         allowed = max(0.06 * row["velocity"], 4.0 * hypot(row["error"], level.error / SCALE))
         assert abs(level.velocity / SCALE - row["velocity"]) < allowed, row
-        wrong += abs(each.levels[at - 1].velocity / SCALE - row["velocity"]) > allowed
+        wrong += abs(each.levels[at - 3].velocity / SCALE - row["velocity"]) > allowed
     assert len(rows) > 20
-    assert wrong > 0.8 * len(rows), "a level at another speed should be outside"
+    assert wrong == len(rows), "a level at thirty times another speed should be outside"
 
 
 @pytest.mark.parametrize(
