@@ -15,6 +15,8 @@ from numba.core import event
 
 SOURCES = (
     "compiling.py",
+    "contact/pulses.py",
+    "record/rows.py",
     "simulation/force_cells.py",
     "simulation/free/*.py",
     "simulation/kernel.py",
@@ -23,7 +25,7 @@ SOURCES = (
     "simulation/series.py",
     "surface/*.py",
 )
-"""Files that are compiled into functions of other files."""
+"""Files whose functions or constants are compiled into functions of other files."""
 
 _CONFIG: Final[Any] = config
 

@@ -176,7 +176,7 @@ def stream_scores() -> Figures:
     }
     for name, values in {"gap": gaps, "diameter": sizes, "strength": strengths}.items():
         found[f"{name} with next"] = correlation(values[:-1], values[1:])
-        found[f"{name} a block apart"] = correlation(values[:-BLOCK], values[BLOCK:])
+        found[f"{name} a block apart"] = correlation(values[: -draws.BLOCK], values[draws.BLOCK :])
     return found
 
 

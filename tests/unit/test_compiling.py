@@ -66,6 +66,16 @@ def test_every_file_that_is_compiled_into_others_is_known() -> None:
     }
     assert {path for path in imported & compiled if path not in known} == set()
     assert Path("simulation/kernel.py") in imported & compiled & known
+    constants = {
+        Path(*module.split(".")).with_suffix(".py")
+        for importer in compiled & known
+        for module, names in re.findall(
+            r"^from rubnoise\.([\w.]+) import ([^(]+?$|\([^)]*\))", texts[importer], re.MULTILINE
+        )
+        if re.search(r"\b[A-Z]{2}[A-Z_]*\b|Kind\b", names)
+    }
+    assert constants - known == set()
+    assert {Path("contact/pulses.py"), Path("record/rows.py")} <= constants
 
 
 DOUBLING = """
