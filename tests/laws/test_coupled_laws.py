@@ -136,8 +136,11 @@ def test_a_breakaway_begins_as_the_cube_of_time() -> None:
 
 
 def test_births_that_are_passed_again_are_told_once_and_when_they_were_passed_first() -> None:
-    """Let go far out, the slider swings over the same junctions again and again; they weigh next to nothing."""
-    births, start = [1000.0, 5000.0, 9000.0], 6822.0
+    """Let go far out, the slider swings over the same junctions again and again; they weigh next to nothing.
+
+    The last one is born shortly before the slider turns round, so that it is passed twice before its row is written.
+    """
+    births, start = [1000.0, 5000.0, 13200.0], 6822.0
     rows = triangles([-1.5 * SIZE, -0.5 * SIZE, *births], BEARS / (0.25 * math.pi * SIZE * SIZE))
     light = rows.strength * np.array([1.0, 1.0, 1e-12, 1e-12, 1e-12])
     slider = Slider(mass=0.005, stiffness=300.0, damping=0.0)

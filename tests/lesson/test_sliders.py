@@ -8,8 +8,8 @@ import pytest
 
 import rubnoise
 from rubnoise.arrays import Doubles
-from rubnoise.simulation.free.contacts import Law
 from rubnoise.simulation.free.encounters import RoughSurface
+from rubnoise.simulation.free.step import Constants
 from rubnoise.simulation.free_motion import FreeRun
 from rubnoise.simulation.state import LiveRows
 from tests.laws.scores import seed_of, z_scores
@@ -210,7 +210,7 @@ def light(**changes: Any) -> dict[str, Any]:
 
 
 def free_run(live: float, speed: float, seed: int) -> FreeRun:
-    return FreeRun(Law(speed, 1.0 / live, growth=LOSS), RoughSurface.of(live, seed, speed * TICK_TIME))
+    return FreeRun(Constants(speed, 1.0 / live, growth=LOSS), RoughSurface.of(live, seed, speed * TICK_TIME))
 
 
 def hopped(live: float, speed: float, duration: float, seed: int) -> list[float]:

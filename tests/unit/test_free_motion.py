@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rubnoise.simulation.free.contacts import Law
 from rubnoise.simulation.free.encounters import RoughSurface
+from rubnoise.simulation.free.step import Constants
 from rubnoise.simulation.free_motion import FreeRun
 from tests.oracle.sliders import bounce
 
@@ -12,7 +12,7 @@ SPEED = 1.0
 
 
 def _ticks(live, speed, tick, seed, count, layers=1, restitution=1.0, impact_damping=0.0, damping_ratio=0.0):
-    law = Law(speed, 1.0 / live, 2.0 * damping_ratio, restitution**2, impact_damping)
+    law = Constants(speed, 1.0 / live, 2.0 * damping_ratio, restitution**2, impact_damping)
     rows = list(FreeRun(law, RoughSurface.of(live, seed, tick), layers=layers).through(count))
     return np.concatenate([each.ticks for each in rows]), rows
 

@@ -27,7 +27,7 @@ LIVES, PERIODS, STICKS = 40.0, 20.0, 20
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity:
+class DrawnColumn:
     """A column along a run: its group, its unit on an axis, and what theory says of it; ``stem`` begins its figures."""
 
     words: str
@@ -74,16 +74,16 @@ class Quantity:
 
 EXACT: Final = {figure.name: figure.exact for figure in FIGURES}
 BASE: Final = "base_displacement"
-QUANTITIES: Final[Mapping[str, Quantity]] = {
-    "area": Quantity("real contact area", "trace", "real_contact_area", "µm²", "real_contact_area"),
-    "count": Quantity("live junctions", "trace", "junction_count", "", "junction_count"),
-    "force": Quantity("friction force", "slider", FORCE, "mN", FORCE),
-    "base": Quantity("height of the base", "slider", BASE, "µm", BASE),
-    "displacement": Quantity("displacement", "slider", "displacement", "µm", "displacement"),
-    "velocity": Quantity("velocity", "slider", "velocity", "mm/s", "velocity"),
-    "load": Quantity("load", "load", "load", "mN", "load"),
-    "separation": Quantity("separation", "load", "separation", "µm", "separation"),
-    "normal-velocity": Quantity("normal velocity", "load", "velocity", "mm/s", "normal_velocity"),
+QUANTITIES: Final[Mapping[str, DrawnColumn]] = {
+    "area": DrawnColumn("real contact area", "trace", "real_contact_area", "µm²", "real_contact_area"),
+    "count": DrawnColumn("live junctions", "trace", "junction_count", "", "junction_count"),
+    "force": DrawnColumn("friction force", "slider", FORCE, "mN", FORCE),
+    "base": DrawnColumn("height of the base", "slider", BASE, "µm", BASE),
+    "displacement": DrawnColumn("displacement", "slider", "displacement", "µm", "displacement"),
+    "velocity": DrawnColumn("velocity", "slider", "velocity", "mm/s", "velocity"),
+    "load": DrawnColumn("load", "load", "load", "mN", "load"),
+    "separation": DrawnColumn("separation", "load", "separation", "µm", "separation"),
+    "normal-velocity": DrawnColumn("normal velocity", "load", "velocity", "mm/s", "normal_velocity"),
 }
 """Everything that is drawn along a run, by name."""
 
@@ -96,7 +96,7 @@ class Track:
     """
 
     stretch: Stretch
-    quantity: Quantity
+    quantity: DrawnColumn
     group: str
     first: int
     last: int

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles, Integers
-from rubnoise.contact.distributions import Law as StrengthLaw
+from rubnoise.contact.distributions import Law
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Appender, Columns, Sink
 from rubnoise.simulation.area import has_one_strength
-from rubnoise.simulation.free.contacts import CONTACT, ORDER, Law, Records, Series
 from rubnoise.simulation.free.encounters import LAYERS, RoughSurface
 from rubnoise.simulation.free.motion import (
     DEEPER,
@@ -30,11 +29,12 @@ from rubnoise.simulation.free.motion import (
     SUMMIT,
     TICK,
     TOUCH,
+    BlockOutput,
     Goal,
-    Output,
     Surface,
     advance,
 )
+from rubnoise.simulation.free.step import CONTACT, ORDER, Constants, Records, Series
 from rubnoise.simulation.state import State, Watch
 from rubnoise.streams import Stream, uniforms
 
@@ -60,7 +60,7 @@ class FreeRun:
     """A free slider as it moves, which begins at z = z' = 0; ``contacts`` are its present ones."""
 
     def __init__(
-        self, law: Law, surface: RoughSurface, strengths: StrengthLaw | None = None, start: float = 0.0, layers: int = 1
+        self, law: Constants, surface: RoughSurface, strengths: Law | None = None, start: float = 0.0, layers: int = 1
     ) -> None:
         """Begin; strengths: of encounters (None: equal); start: x of a slider at rest; layers: drawn at least."""
         self._law, self.surface, self._strengths, self._layers, self._block = law, surface, strengths, layers, 0
@@ -118,7 +118,7 @@ class FreeRun:
         state, layers = self._state, self._layers
         end = (ticks - 1) * self.surface.tick if final else self.surface.length
         goal = Goal(end, ticks, self.surface.tick)
-        out = Output(np.empty(ticks, TICK), np.empty(_ROOM, TOUCH), np.empty(_ROOM, MARK))
+        out = BlockOutput(np.empty(ticks, TICK), np.empty(_ROOM, TOUCH), np.empty(_ROOM, MARK))
         touches, marks, code = [], [], DEEPER
         state["count"], state["tick"] = self.contacts.size, 0
         contacts = np.concatenate([self.contacts, np.zeros(64, CONTACT)])
@@ -179,13 +179,13 @@ class Scales:
             along = model.strengths.mean * model.mean_real_contact_area / (model.slider.mass * rate * rate)
         return cls(length=length, height=held.height_scale, rate=rate, load=held.load, along=along)
 
-    def law(self, model: Model, free: FreeSeparation) -> Law:
+    def law(self, model: Model, free: FreeSeparation) -> Constants:
         """Return the constants of the motion."""
         slider, own = model.slider, (0.0, 0.0)
         if slider is not None:
             mass = slider.mass * self.rate
             own = slider.damping / mass, slider.stiffness / (mass * self.rate)
-        return Law(
+        return Constants(
             (model.sliding_speed or 0.0) / (self.length * self.rate),
             1.0 / model.mean_junction_count,
             free.held.damping / (free.held.mass * self.rate),

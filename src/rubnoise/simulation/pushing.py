@@ -75,7 +75,7 @@ MARK: Final = np.dtype(
 """A landmark."""
 
 
-class Drive(NamedTuple):
+class DrivenSlider(NamedTuple):
     """m, k, c (kg, N/m, N s/m), V (um/s), and the time between rows (s)."""
 
     mass: float
@@ -85,7 +85,7 @@ class Drive(NamedTuple):
     row_time: float
 
 
-class Output(NamedTuple):
+class StepOutput(NamedTuple):
     """Room for rows from the row ``first`` on, and for landmarks; births and deaths ahead (um), and when they are met.
 
     A place is met when the slider first gets there.
@@ -114,7 +114,7 @@ _GAUSS: Final = tuple(
 
 
 @compiled_within
-def fill_series(drive: Drive, x: float, w: float, way: float, fresh: int, piece: Doubles, work: Doubles) -> None:
+def fill_series(drive: DrivenSlider, x: float, w: float, way: float, fresh: int, piece: Doubles, work: Doubles) -> None:
     """Fill in the powers of t in s - s_0 (row 0 of ``work``), and in its square and cube (rows 1 and 2)."""
     s, square, cube = work[0], work[1], work[2]
     s[0], s[1] = 0.0, w
@@ -206,7 +206,7 @@ def standstill(series: Doubles, way: float, time: float, touch: float) -> float:
 
 @compiled_within
 def write_rows(
-    now: Moving, drive: Drive, origin: float, end: float, out: Output, piece: Doubles, series: Doubles
+    now: Moving, drive: DrivenSlider, origin: float, end: float, out: StepOutput, piece: Doubles, series: Doubles
 ) -> bool:
     """Write the rows of a step up to a time (s); return whether there was room."""
     way, held = -1.0 if now.phase == REVERSED else 1.0, held_by(now, drive)
@@ -227,13 +227,13 @@ def write_rows(
 
 
 @compiled_within
-def held_by(now: Moving, drive: Drive) -> float:
+def held_by(now: Moving, drive: DrivenSlider) -> float:
     """Return the force of spring and dashpot at w = 0, k x + c V."""
     return drive.stiffness * now.displacement + drive.damping * drive.speed
 
 
 @compiled_within
-def go_on(now: Moving, drive: Drive, duration: float, piece: Doubles, series: Doubles) -> None:
+def go_on(now: Moving, drive: DrivenSlider, duration: float, piece: Doubles, series: Doubles) -> None:
     """Add a step to the integrals, and move to its end in time."""
     for node, share in _GAUSS:
         time = node * duration
@@ -257,7 +257,7 @@ def go_on(now: Moving, drive: Drive, duration: float, piece: Doubles, series: Do
 
 
 @compiled_within
-def meet(now: Moving, out: Output, origin: float, reached: float, duration: float, series: Doubles) -> None:
+def meet(now: Moving, out: StepOutput, origin: float, reached: float, duration: float, series: Doubles) -> None:
     """Note when the births and deaths up to a distance are met in a step forward."""
     while now.met < len(out.places) and out.places[now.met] <= reached:
         length = max(out.places[now.met] - origin, 0.0)
@@ -267,7 +267,9 @@ def meet(now: Moving, out: Output, origin: float, reached: float, duration: floa
 
 
 @compiled_within
-def write_mark(now: Moving, drive: Drive, width: float, out: Output, kind: int, before: float, after: float) -> None:
+def write_mark(
+    now: Moving, drive: DrivenSlider, width: float, out: StepOutput, kind: int, before: float, after: float
+) -> None:
     """Write a landmark at the present time and place, where w = 0."""
     mark = out.marks[now.mark]
     mark.time, mark.distance = now.time, (now.cell + now.y) * width
@@ -278,7 +280,7 @@ def write_mark(now: Moving, drive: Drive, width: float, out: Output, kind: int, 
 
 
 @compiled_within
-def arrive(now: Moving, drive: Drive, width: float, force: float, out: Output) -> None:
+def arrive(now: Moving, drive: DrivenSlider, width: float, force: float, out: StepOutput) -> None:
     """Decide what follows at w = 0, where the contact can bear a force."""
     bears, before = max(force, 0.0), -force if now.phase == REVERSED else force
     held, kind, phase, after = held_by(now, drive), STICK, STUCK, 0.0
@@ -295,7 +297,7 @@ def arrive(now: Moving, drive: Drive, width: float, force: float, out: Output) -
 
 
 @compiled_within
-def ride(now: Moving, drive: Drive, width: float, out: Output, piece: Doubles, series: Doubles) -> bool:
+def ride(now: Moving, drive: DrivenSlider, width: float, out: StepOutput, piece: Doubles, series: Doubles) -> bool:
     """Write the rows of a stick and break away; return False if there was no room for all rows."""
     force = piece[0]
     wait = max((force - held_by(now, drive)) / (drive.stiffness * drive.speed), 0.0)
@@ -310,7 +312,7 @@ def ride(now: Moving, drive: Drive, width: float, out: Output, piece: Doubles, s
 
 @compiled_within
 def slip(
-    now: Moving, drive: Drive, cells: ForceCells, border: float, out: Output, piece: Doubles, work: Doubles
+    now: Moving, drive: DrivenSlider, cells: ForceCells, border: float, out: StepOutput, piece: Doubles, work: Doubles
 ) -> bool:
     """Take a step in slip, not beyond a border; return False, and change nothing but the next row, without room."""
     way, series, width = -1.0 if now.phase == REVERSED else 1.0, work[0], cells.width
@@ -334,7 +336,7 @@ def slip(
 
 
 @compiled
-def advance(state: Records, drive: Drive, cells: ForceCells, stop: Stop, out: Output, work: Doubles) -> int:
+def advance(state: Records, drive: DrivenSlider, cells: ForceCells, stop: Stop, out: StepOutput, work: Doubles) -> int:
     """Move through cells until something is missing or the end is reached; return REACHED, BACK or FULL.
 
     state (1,): changed in place; work (4, ORDER + 1): memory for powers of a step and of the force.

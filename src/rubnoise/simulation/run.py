@@ -68,7 +68,7 @@ def simulate(
         if engine == "events":
             play = Processes(model, notifier, intervene)
         state = start(model, seed)
-        step = Contact(model, seed, sink, play, watch, state.live, notifier).next_state
+        step = ContactRun(model, seed, sink, play, watch, state.live, notifier).next_state
     # Inside a block, the collector of garbage would check all live processes again and again: a fifth of the time.
     looked = gc.isenabled()
     gc.disable()
@@ -82,7 +82,7 @@ def simulate(
     return state
 
 
-class Contact:
+class ContactRun:
     """A contact that is played block by block, what moves through it, and its rows."""
 
     def __init__(

@@ -25,8 +25,8 @@ from rubnoise.simulation.pushing import (
     REVERSED,
     ROW,
     STATE,
-    Drive,
-    Output,
+    DrivenSlider,
+    StepOutput,
     Stop,
     advance,
     columns_of,
@@ -58,7 +58,7 @@ class TwoWayMotion:
         if slider is None or speed is None:
             raise ValueError("a slider moves where there is a sliding speed")
         self._model, self._sink, self._notifier = model, sink, notifier
-        self._drive = Drive(slider.mass, slider.stiffness, slider.damping, speed, model.tick / speed)
+        self._drive = DrivenSlider(slider.mass, slider.stiffness, slider.damping, speed, model.tick / speed)
         self._width = coupled_spacing(model)
         self.state = np.zeros(1, STATE)
         self.state["displacement"], self.state["relative"] = model.equilibrium_displacement, speed
@@ -155,7 +155,7 @@ class TwoWayMotion:
             table = np.empty(_ROWS, ROW)
             met = int(self.state["met"][0])
             code = advance(
-                self.state, self._drive, cells, stop, Output(first, table, self._marks, places, times), self._work
+                self.state, self._drive, cells, stop, StepOutput(first, table, self._marks, places, times), self._work
             )
             columns = columns_of(table, int(self.state["row"][0]) - first)
             number = np.arange(first, int(self.state["row"][0]))

@@ -37,7 +37,7 @@ DEFLATE_RATIO = 1032
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
+class ColumnPlace:
     """Where the rows of a column lie in their file; the offset is 0 without rows, and for compressed chunks."""
 
     offset: int
@@ -106,7 +106,7 @@ def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.Pr
     return dataset, creation
 
 
-def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h5py.Dataset, Place]:
+def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h5py.Dataset, ColumnPlace]:
     """Return the dataset of a column and the place of its rows, if type, shape and storage are those of the schema.
 
     Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
@@ -122,7 +122,7 @@ def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h
         offset, whole = 0, _is_packed_whole(dataset, creation, file_size)
     if not whole:
         raise RunFileRefused(f"{path} is not stored as our files store it")
-    return dataset, Place(offset=offset, rows=dataset.size, dtype=column.dtype)
+    return dataset, ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype)
 
 
 def _is_packed_whole(dataset: h5py.Dataset, creation: h5py.h5p.PropDCID, file_size: int) -> bool:

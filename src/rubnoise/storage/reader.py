@@ -25,8 +25,8 @@ from rubnoise.storage.layout import Name, stored_groups
 from rubnoise.storage.objects import (
     MOST_ATTRIBUTES,
     REMEDY,
+    ColumnPlace,
     Inventory,
-    Place,
     inventory_of,
     linked,
     naming_damage,
@@ -91,7 +91,7 @@ class RunFile:
         self.attributes, self.summary = read_attributes(file, ROOT), read_summary(file)
         self.seal = _hash_in(file["provenance"])
         self.features = _features(file)
-        self._columns: dict[str, dict[str, Place]] = {}
+        self._columns: dict[str, dict[str, ColumnPlace]] = {}
         self._digests: dict[Name, str] = {}
         size = os.fstat(descriptor).st_size
         for group in stored_groups(self.features):
@@ -148,7 +148,7 @@ class RunFile:
             with naming_damage():  # HDF5 finds the chunks of a compressed column
                 return rows_of_chunks(self._file[group][name], first, max(first, last))
 
-    def _stored_rows(self, place: Place, first: int, last: int) -> NDArray[Any]:
+    def _stored_rows(self, place: ColumnPlace, first: int, last: int) -> NDArray[Any]:
         """Return rows that lie in one piece; raises RunFileRefused if the file does not have them any more."""
         dtype = np.dtype(place.dtype)
         start, size = place.offset + first * dtype.itemsize, (last - first) * dtype.itemsize

@@ -253,7 +253,7 @@ def third_octaves(model: Model) -> dict[str, Doubles]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FreeMotion:
+class FreeLimits:
     """Scales of free motion (Hz; the rest without units), its exact means (uN, um^2), and its limit.
 
     Of live N; impact_damping: beta s_0 omega_c; nan where unknown; fast_area_mean: the limit of the mean area at high
@@ -273,7 +273,7 @@ class FreeMotion:
     first_order: LoadMotion | None
 
 
-def free_motion(model: Model) -> FreeMotion:
+def free_motion(model: Model) -> FreeLimits:
     """Return the exact results for a slider that is free to leave its contact; for the rest there is no theory.
 
     The mean of P is W. Of an elastic contact P = H sum A_i, so the mean area is A_rm and the mean friction force E[psi]
@@ -287,7 +287,7 @@ def free_motion(model: Model) -> FreeMotion:
     elastic, e = free.restitution == 1.0, nan if free.restitution is None else free.restitution
     beta = nan if free.impact_damping is None else free.impact_damping
     area, psi = model.mean_real_contact_area if elastic else nan, model.strengths
-    return FreeMotion(
+    return FreeLimits(
         contact_resonance=resonance.natural_frequency,
         relative_speed=relative_speed(linear),
         live=model.mean_junction_count,

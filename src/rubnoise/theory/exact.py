@@ -13,7 +13,7 @@ from rubnoise.model import Model
 from rubnoise.real_numbers import at_each
 from rubnoise.tables import as_html, fields_as_text, in_short
 from rubnoise.theory import moments
-from rubnoise.theory.coupling import Coupling, FreeMotion, LoadMotion, coupling, free_motion, load_motion
+from rubnoise.theory.coupling import Coupling, FreeLimits, LoadMotion, coupling, free_motion, load_motion
 from rubnoise.theory.motion import Response, response
 from rubnoise.theory.sampling import EstimatedSpectrum, estimated_spectrum
 from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density
@@ -45,7 +45,7 @@ class Exact:
     force: moments.Cumulants | None
     slider: Response | None
     load: LoadMotion | None = None
-    free: FreeMotion | None = None
+    free: FreeLimits | None = None
 
     __repr__ = fields_as_text
 

@@ -33,7 +33,7 @@ MOTION: Final = ("displacement", "velocity")
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class DrivenOscillator:
     """An oscillator, the speed (um/s) that turns distance into its time, and the force (uN) per um^2 of area."""
 
     slider: Slider
@@ -59,7 +59,7 @@ def need_friction(model: Model) -> None:
         raise Refused(f'the slider is not driven by friction but by slider.excitation = "{model.slider.excitation}"')
 
 
-def drive_of(model: Model) -> Drive:
+def drive_of(model: Model) -> DrivenOscillator:
     """Return the slider that friction, or a base of equal triangles, drives; Refused if something is missing."""
     if model.slider is None or model.sliding_speed is None or model.slider.excitation != "base":
         need_friction(model)
@@ -69,15 +69,15 @@ def drive_of(model: Model) -> Drive:
         raise Refused("excitation by the base is known for equal diameters alone (diameter.law)")
     elif model.pulse != TRIANGLE:
         raise Refused('the slider is driven by a base of triangles, which lives are with pulse.shape = "triangle"')
-    return Drive(model.slider, model.sliding_speed)
+    return DrivenOscillator(model.slider, model.sliding_speed)
 
 
-def contact_drive_of(model: Model) -> Drive:
+def contact_drive_of(model: Model) -> DrivenOscillator:
     """Return the separation as an oscillator, s_0 + z driven by H A; Refused without a load that weighs or a speed."""
     held = model.separation
     if held is None or model.sliding_speed is None:
         raise Refused("the separation moves under a load that weighs alone ([load])")
-    return Drive(held.oscillator, model.sliding_speed, held.hardness)
+    return DrivenOscillator(held.oscillator, model.sliding_speed, held.hardness)
 
 
 def strengths_of(model: Model) -> Law:
@@ -143,7 +143,7 @@ def frequencies(model: Model) -> tuple[Doubles, Doubles, Doubles, Doubles]:
     return k, weight / pi, *area_noise(model).parts(k, exact=follows)
 
 
-def response_edges(model: Model, drive: Drive) -> Doubles:
+def response_edges(model: Model, drive: DrivenOscillator) -> Doubles:
     """Return the ends of panels in rad/um: octaves, of the distance from the resonance too, and short in a swing."""
     reach, swinging = size_range(model.sizes)[1], float(sizes_of(model.sizes).followed.max())
     half_width, breadth = drive.slider.damping_ratio * drive.resonance, max(1.0, 2.0 * drive.slider.damping_ratio)

@@ -109,7 +109,7 @@ def mean_displacement_error(model: Model, distance: float) -> float:
     return lift * noise.error_of_mean(distance) + change / drive.slider.stiffness
 
 
-def _carried_momentum(drive: motion.Drive, std: float, velocity_std: float, distance: float) -> float:
+def _carried_momentum(drive: motion.DrivenOscillator, std: float, velocity_std: float, distance: float) -> float:
     """Return a bound in uN of the spread of (m dv + c dx)/T: of stationary motion plus a decaying start."""
     slider, natural = drive.slider, drive.slider.natural_angular_frequency
     start = hypot(std, velocity_std / natural)

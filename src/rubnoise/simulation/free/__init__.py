@@ -12,7 +12,7 @@ of an overlap. With ``restitution`` e, k_i is 1 while the overlap grows and e^2 
 
 ===============  =======================================================================================
 `encounters`     places and heights from the seed, in blocks of distance and layers of height
-`contacts`       sums over the encounters in contact, the power series of a step, and first times in it
+`step`           sums over the encounters in contact, the power series of a step, and first times in it
 `motion`         from event to event through a block, compiled
 ===============  =======================================================================================
 

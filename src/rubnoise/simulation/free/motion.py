@@ -7,14 +7,14 @@ import numpy as np
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled, compiled_within
 from rubnoise.record.rows import ContactKind
-from rubnoise.simulation.free.contacts import (
+from rubnoise.simulation.free.step import (
     LOADS,
     ORDER,
     OVERLAP,
     RATE,
     SHARES,
     TURN,
-    Law,
+    Constants,
     Records,
     Series,
     add_up,
@@ -86,7 +86,7 @@ class Goal(NamedTuple):
     tick: float
 
 
-class Output(NamedTuple):
+class BlockOutput(NamedTuple):
     """Rows of ticks, touches and marks."""
 
     ticks: Records
@@ -96,7 +96,7 @@ class Output(NamedTuple):
 
 @compiled_within
 def _sample(
-    now: Any, contacts: Records, s: float, moved: tuple[float, float, float, float], law: Law, ticks: Records
+    now: Any, contacts: Records, s: float, moved: tuple[float, float, float, float], law: Constants, ticks: Records
 ) -> None:
     """Write the row of the next tick, at which the slider is at s with z, z', x, x'."""
     row = ticks[now.tick]
@@ -165,7 +165,7 @@ def _list(now: Any, surface: Surface) -> None:
 
 
 @compiled_within
-def _prepare(now: Any, law: Law, contacts: Records, longest: float, series: Series) -> float:
+def _prepare(now: Any, law: Constants, contacts: Records, longest: float, series: Series) -> float:
     """Fill the series of a step and return the step's largest duration, at most ``longest``."""
     sums, step = series.sums, longest
     add_up(contacts, now.count, now.s, now.z, law, sums)
@@ -200,7 +200,9 @@ def _begin_fresh(f_slope: float, f_bend: float, third: float, fourth: float, ste
 
 
 @compiled_within
-def _first_touch(now: Any, law: Law, surface: Surface, bend: float, series: Doubles, step: float) -> tuple[int, float]:
+def _first_touch(
+    now: Any, law: Constants, surface: Surface, bend: float, series: Doubles, step: float
+) -> tuple[int, float]:
     """Return which encounter is touched first within a step, -1 if none is, and when."""
     which, when = -1, step
     for n in range(now.listed):
@@ -218,7 +220,9 @@ def _first_touch(now: Any, law: Law, surface: Surface, bend: float, series: Doub
 
 
 @compiled_within
-def _first_break(now: Any, law: Law, contacts: Records, bend: float, series: Doubles, step: float) -> tuple[int, float]:
+def _first_break(
+    now: Any, law: Constants, contacts: Records, bend: float, series: Doubles, step: float
+) -> tuple[int, float]:
     """Return which contact is lost first within a step, -1 if none is, and when."""
     which, when = -1, step
     for n in range(now.count):
@@ -234,7 +238,7 @@ def _first_break(now: Any, law: Law, contacts: Records, bend: float, series: Dou
 
 @compiled_within
 def _first_turn(
-    now: Any, law: Law, contacts: Records, limits: tuple[float, float], series: Doubles, step: float, until: float
+    now: Any, law: Constants, contacts: Records, limits: tuple[float, float], series: Doubles, step: float, until: float
 ) -> tuple[int, float]:
     """Return which overlap stops growing or shrinking first before a time in a step, -1 if none does, and when.
 
@@ -263,7 +267,7 @@ def _first_turn(
 
 @compiled_within
 def _next_event(
-    now: Any, law: Law, contacts: Records, surface: Surface, step: float, series: Doubles
+    now: Any, law: Constants, contacts: Records, surface: Surface, step: float, series: Doubles
 ) -> tuple[int, int, float]:
     """Return the first event in a step, its encounter, and its time; -1 if the pool is not deep enough."""
     least, most, third, fourth = bounds(series, step)
@@ -286,7 +290,7 @@ def _next_event(
 
 
 @compiled_within
-def _note_largest(now: Any, law: Law, contacts: Records, third: float, series: Doubles, when: float) -> None:
+def _note_largest(now: Any, law: Constants, contacts: Records, third: float, series: Doubles, when: float) -> None:
     """Update the largest overlap of each encounter in contact, also if it stops growing within the step."""
     speed = law.speed
     for n in range(now.count):
@@ -302,7 +306,14 @@ def _note_largest(now: Any, law: Law, contacts: Records, third: float, series: D
 
 @compiled_within
 def _follow(
-    now: Any, law: Law, contacts: Records, surface: Surface, event: int, which: int, after: float, out: Output
+    now: Any,
+    law: Constants,
+    contacts: Records,
+    surface: Surface,
+    event: int,
+    which: int,
+    after: float,
+    out: BlockOutput,
 ) -> None:
     """Change what an event changes: who is in contact, and with which weight."""
     if event == _TOUCH:
@@ -332,7 +343,7 @@ def _follow(
 
 @compiled_within
 def _write_ticks(
-    now: Any, law: Law, contacts: Records, goal: Goal, place: float, when: float, ticks: Records, series: Series
+    now: Any, law: Constants, contacts: Records, goal: Goal, place: float, when: float, ticks: Records, series: Series
 ) -> None:
     """Write the ticks up to a place that a step reaches after a time."""
     while now.tick < goal.ticks and now.tick * goal.tick <= place:
@@ -346,7 +357,9 @@ def _write_ticks(
 
 
 @compiled_within
-def _step(now: Any, law: Law, contacts: Records, surface: Surface, goal: Goal, out: Output, series: Series) -> bool:
+def _step(
+    now: Any, law: Constants, contacts: Records, surface: Surface, goal: Goal, out: BlockOutput, series: Series
+) -> bool:
     """Move to the next event; return False, and do not move, if the pool is not deep enough."""
     _list(now, surface)
     longest = min(goal.place - now.s, REACH) / law.speed
@@ -379,7 +392,7 @@ def _step(now: Any, law: Law, contacts: Records, surface: Surface, goal: Goal, o
 
 @compiled
 def advance(
-    state: Records, law: Law, contacts: Records, surface: Surface, goal: Goal, out: Output, series: Series
+    state: Records, law: Constants, contacts: Records, surface: Surface, goal: Goal, out: BlockOutput, series: Series
 ) -> int:
     """Move to the goal, and write the ticks before it; state (1,) and the contacts are changed in place.
 

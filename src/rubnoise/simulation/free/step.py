@@ -15,6 +15,19 @@ from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_within
 from rubnoise.simulation.series import rate, rate_of_rate, value
 
+ORDER: Final = 16
+"""Degree of the series."""
+
+TURN: Final = 0.5
+"""Largest value of Omega times a step: coefficients of the linear motion fall at least as Omega^n/n!, and the terms
+left out are 1e-20."""
+
+ROUNDING: Final = 2.0**-54
+
+_MOST_TRIES: Final = 200
+
+OVERLAP, RATE = range(2)
+
 Records = NDArray[Any]
 """An array of records, of CONTACT and of the kinds in `motion`; compiled code knows their fields."""
 
@@ -27,7 +40,7 @@ made (c, from the origin of its own block), and the largest overlap so far (s_0)
 that was."""
 
 
-class Law(NamedTuple):
+class Constants(NamedTuple):
     """Constants of a run, in the units c, s_0, 1/omega_c, W.
 
     v; 1/N; 2 zeta of the dashpot beside the contact; e^2; beta, 0 with restitution; drag and spring over mass of a
@@ -72,7 +85,7 @@ def rate_of(contact: Any, s: float, w: float, speed: float) -> float:
 
 
 @compiled_within
-def add_up(contacts: Records, count: int, s: float, z: float, law: Law, sums: Doubles) -> None:
+def add_up(contacts: Records, count: int, s: float, z: float, law: Constants, sums: Doubles) -> None:
     """Sum the power series in time of the overlaps of the encounters in contact."""
     sums[:] = 0.0
     bend, powers = -law.speed * law.speed, sums[POWERS]
@@ -93,7 +106,7 @@ def add_up(contacts: Records, count: int, s: float, z: float, law: Law, sums: Do
 
 @compiled_within
 def load_of(
-    contacts: Records, count: int, sliding: int, s: float, z: float, w: float, law: Law
+    contacts: Records, count: int, sliding: int, s: float, z: float, w: float, law: Constants
 ) -> tuple[float, float, float]:
     """Return P (W), the sum of overlaps, and the sum of overlaps weighted by strength, all three divided by N."""
     load, overlaps, shared = 0.0, 0.0, 0.0
@@ -109,7 +122,7 @@ def load_of(
 
 
 @compiled_within
-def turned(contacts: Records, count: int, which: int, s: float, z: float, w: float, law: Law) -> float:
+def turned(contacts: Records, count: int, which: int, s: float, z: float, w: float, law: Constants) -> float:
     """Return the weight of an encounter whose overlap has stopped growing or shrinking; -1 if its rate stays 0.
 
     r' = -2 v^2 - z'' is lower with k = 1 than with k = e^2. If it is positive even with 1, the overlap grows; if it is
@@ -130,7 +143,7 @@ def turned(contacts: Records, count: int, which: int, s: float, z: float, w: flo
 
 @compiled_within
 def slides_until(
-    contacts: Records, count: int, which: int, s: float, z: float, w: float, law: Law
+    contacts: Records, count: int, which: int, s: float, z: float, w: float, law: Constants
 ) -> tuple[float, float]:
     """Return for how long the rate of an overlap stays 0, and the weight of the encounter after that.
 
@@ -151,25 +164,11 @@ def slides_until(
     return np.inf, 1.0
 
 
-ORDER: Final = 16
-"""Degree of the series."""
-
-TURN: Final = 0.5
-"""Largest value of Omega times a step: coefficients of the linear motion fall at least as Omega^n/n!, and the terms
-left out are 1e-20."""
-
-ROUNDING: Final = 2.0**-54
-
-_MOST_TRIES: Final = 200
-
-OVERLAP, RATE = range(2)
-
-
 @compiled_within
 def motion_series(
     start: tuple[float, float],
     sums: Doubles,
-    law: Law,
+    law: Constants,
     holds: tuple[float, float, float],
     growth: float,
     series: Series,
