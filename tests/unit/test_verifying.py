@@ -151,9 +151,9 @@ def folder(original_folder: Path, tmp_path: Path) -> Path:
     return Path(copytree(original_folder, tmp_path / "d"))
 
 
-def told_of_folder(folder: Path, regenerate: int = 0) -> dict[str, str]:
+def told_of_folder(folder: Path) -> dict[str, str]:
     """Return the first place of each check that fails."""
-    return {check.name: str(check.first) for check in verify_sweep(folder, regenerate).different}
+    return {check.name: str(check.first) for check in verify_sweep(folder).different}
 
 
 def runs(folder: Path) -> list[Path]:
@@ -220,7 +220,7 @@ FOLDER_CHANGES: dict[str, tuple[FolderChange, str, str]] = {
 
 
 def test_a_right_folder_is_verified(folder: Path) -> None:
-    found = verify_sweep(folder, 2)
+    found = verify_sweep(folder, regenerate=True)
     assert [check.name for check in found.checks] == ["index", "names", "runs"]
     assert (found.different, found.left_out) == ([], {})
     assert min(check.values for check in found.checks) > 0

@@ -7,7 +7,7 @@ from copy import deepcopy
 from dataclasses import replace
 from functools import cached_property
 from math import inf
-from numbers import Integral, Real
+from numbers import Real
 from operator import index
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -238,7 +238,7 @@ class Run:
         with _calculating(self._called):
             return replace(compare(self.model(), self._reader, bound), title=f"{self._called}: compared with theory")
 
-    def verify(self, regenerate: int = 0) -> "Verification":
+    def verify(self, *, regenerate: bool = False) -> "Verification":
         """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
 
         ``regenerate`` changes nothing in this, since every row is made again; but with it a file is refused whose
@@ -246,10 +246,10 @@ class Run:
         """
         from rubnoise.runs.verification import verify
 
-        if isinstance(regenerate, bool) or not isinstance(regenerate, Integral) or regenerate < 0:
-            raise Refused(f"regenerate=: {shown(regenerate)} is no whole number from 0 on")
+        if not isinstance(regenerate, bool):
+            raise Refused(f"regenerate=: {shown(regenerate)} is neither True nor False")
         with self._file_of() as file, _calculating(self._called):
-            return replace(verify(file, regenerate), title=f"{self._called}: verified")
+            return replace(verify(file, regenerate=regenerate), title=f"{self._called}: verified")
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
         """Return Welch's estimate of a power spectral density, with the exact one if theory knows it.

@@ -94,11 +94,13 @@ def verify(
 
         with bar(shown=shown) as show_bar:
             found = verify_sweep(
-                file, int(regenerate), lambda done, runs: show_bar(done, runs, f"{done:,} of {runs:,} runs")
+                file,
+                regenerate=regenerate,
+                watch=lambda done, runs: show_bar(done, runs, f"{done:,} of {runs:,} runs"),
             )
     else:
         with finished_run(file) as run, watching_reads(run, shown=shown):
-            found = verification.verify(run, int(regenerate))
+            found = verification.verify(run, regenerate=regenerate)
     whole = (
         "its runs, made again, and the index of these" if is_folder(file) else "its hashes and its run, played again"
     )

@@ -158,7 +158,7 @@ def verification(checks: Sequence[Check], omitted: Sequence[Row] = (), remark: s
     )
 
 
-def verify(run: RunFile, regenerate: int = 0) -> Verification:
+def verify(run: RunFile, *, regenerate: bool = False) -> Verification:
     """Return the verification of a result file; memory does not grow with the run.
 
     ``regenerate`` adds no check, but raises Refused if the seed gives other random numbers here. Checks that depend on

@@ -50,7 +50,10 @@ class Results:
 
 
 def verify_sweep(
-    folder: str | os.PathLike[str], regenerate: int = 0, watch: Callable[[int, int], None] = lambda _done, _all: None
+    folder: str | os.PathLike[str],
+    *,
+    regenerate: bool = False,
+    watch: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> Verification:
     """Return the verification of the folder of a sweep and of each of its runs.
 
@@ -61,7 +64,7 @@ def verify_sweep(
     try:
         if not root.is_dir() or not ((root / INDEX).exists() or (root / RUNS).is_dir()):
             raise RunFileRefused(f"{root}: is not a sweep folder: it has neither {INDEX} nor {RUNS}")
-        results = _results(root, regenerate, watch)
+        results = _results(root, watch, regenerate=regenerate)
         omitted = list(_left_out(root, results))
         return verification((_index_check(root, results, omitted), results.names, results.runs), omitted)
     except OSError as problem:  # a folder in it may be closed to who asks, or be on a disk that fails
@@ -69,7 +72,7 @@ def verify_sweep(
         raise RunFileRefused(f"{problem.filename or root}: {reason}") from problem
 
 
-def _results(root: Path, regenerate: int, watch: Callable[[int, int], None]) -> Results:
+def _results(root: Path, watch: Callable[[int, int], None], *, regenerate: bool) -> Results:
     """Verify every file in the folder of runs."""
     results = Results()
     right = set(run_files(root))
@@ -86,17 +89,17 @@ def _results(root: Path, regenerate: int, watch: Callable[[int, int], None]) -> 
             if path.suffix == SUFFIXES["summary"]:
                 _verify_summary(results, path)
             else:
-                _verify_run(results, path, regenerate)
+                _verify_run(results, path, regenerate=regenerate)
         except RunFileRefused as refusal:
             reason = str(refusal).removeprefix(f"{path}: ")[:LONGEST]
             results.runs.differ(Difference(f"{RUNS}/{path.name}", reason, "the result of a run"))
     return results
 
 
-def _verify_run(results: Results, path: Path, regenerate: int) -> None:
+def _verify_run(results: Results, path: Path, *, regenerate: bool) -> None:
     with open_run(path) as run:
         results.take(path, scenario_in(run), numbers_in(run.summary))
-        found = verify(run, regenerate)
+        found = verify(run, regenerate=regenerate)
     results.runs.values += found.values
     results.left_out.update(found.left_out.items())
     for check in found.different:
