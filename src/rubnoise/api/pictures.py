@@ -159,14 +159,14 @@ def appearance(
 
 def drawn_fit(found: InferenceResult) -> "Figure":
     """Draw what an inference found and return its figure (see rubnoise.Inference.plot)."""
-    from rubnoise.figures.measurements import figure
+    from rubnoise.figures.inference import figure
 
     return figure(found)
 
 
 def page_of_fit(found: InferenceResult, name: str, text: str) -> str:
     """Return the page of an inference (see rubnoise.Inference.report)."""
-    from rubnoise.figures.measurements import page
+    from rubnoise.figures.inference import page
 
     return page(found, name, text)
 

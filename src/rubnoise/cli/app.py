@@ -34,14 +34,14 @@ HEADINGS: Final = {
         "check": "check.check",
         "run": "run.run",
         "sweep": "run.sweep",
-        "demo": "page.demo",
+        "demo": "demo.demo",
     },
     "Look at a result": {
         "info": "info.command",
         "junctions": "junctions.command",
         "plot": "plot.command",
         "page": "page.command",
-        "listen": "export.listen",
+        "listen": "listen.listen",
         "export": "export.export",
     },
     "Compare": {

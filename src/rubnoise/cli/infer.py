@@ -88,7 +88,7 @@ def command(
     if output is not None and found.refused_because is None:
         texts[output] = found.to_toml()
     if report is not None and found.refused_because is None:
-        from rubnoise.figures.measurements import page
+        from rubnoise.figures.inference import page
 
         texts[report] = page(found, trace, answer.to_text())
     write_texts(texts, force=force)

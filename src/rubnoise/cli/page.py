@@ -1,23 +1,18 @@
-"""`rubnoise page`: a web page to explore one result or two, to send, or for a class; and `rubnoise demo`."""
+"""`rubnoise page`: a web page to explore one result or two, to send, or for a class."""
 
-import os
-import sys
-import webbrowser
 from collections.abc import Sequence
 from enum import StrEnum
 from os.path import realpath  # unlike resolve, it takes a loop of links for a name
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
 import rubnoise
 from rubnoise.answer import size
 from rubnoise.cli.layout import sentence, write_texts
-from rubnoise.cli.options import Quiet, ReplaceFile, StretchEnd, StretchStart, argument, flag, option
+from rubnoise.cli.options import ReplaceFile, StretchEnd, StretchStart, argument, option
 from rubnoise.cli.plot import distance
-from rubnoise.cli.progress import announce_compilation, interrupted_at_once
-from rubnoise.errors import OutputRefused
 from rubnoise.regular_file import is_folder
 
 Ends = tuple[float | None, float | None]
@@ -168,60 +163,3 @@ def lesson_page(source: Path) -> str:
     else:
         scenario = scenario_of(source)
     return page(scenario.title or source.stem, settings_of(scenario), record)
-
-
-SCENARIO: Final = "first/rubbing"
-FILES: Final = {
-    "rubbing.h5": "the result: every junction's life, area, force and motion",
-    "rubbing.png": "a picture of it beside theory",
-    "rubbing.html": "a page to explore it: zoom, filter, and follow single junctions",
-    "rubbing_report.html": "a report to send to a colleague",
-    "lesson.html": "lessons about births and deaths, for a class",
-}
-"""What the folder holds at the end, and what each is."""
-
-
-@interrupted_at_once
-def demo(
-    folder: Annotated[Path, argument("[FOLDER]", "The folder; it is made if it is missing.")] = Path("rubnoise-demo"),
-    *,
-    no_open: Annotated[bool, flag("Do not open a browser.", "--no-open")] = False,
-    quiet: Quiet = False,
-) -> None:
-    """Run a first contact; draw, report, view and teach it.
-
-    The pages open in the browser, where there is one. The folder may hold an earlier demo, which is replaced, and
-    nothing else.
-
-    Example: rubnoise demo
-    """
-    _make(folder)
-    result, picture, *pages = (folder / name for name in FILES)
-    if not quiet:
-        announce_compilation()
-    with rubnoise.run(SCENARIO, result, force=True, command=["rubnoise", "demo"]) as run:
-        run.plot().savefig(picture, dpi=150)
-    texts = (view_page(result)[0], report_page(result), lesson_page(Path(SCENARIO)))
-    write_texts(dict(zip(pages, texts, strict=True)), force=True)
-    if not quiet:
-        print("\n".join(sentence(f"{folder / name}: {what}") for name, what in FILES.items()))
-    if not no_open and _has_browser():
-        for path in pages:
-            webbrowser.open(path.resolve().as_uri())
-
-
-def _make(folder: Path) -> None:
-    """Make the folder; raises OutputRefused if it holds anything but an earlier demo, or cannot be made."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        others = sorted(each.name for each in folder.iterdir() if each.name not in FILES)
-    except OSError as problem:
-        raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
-    if others:
-        raise OutputRefused(f"{folder}: holds {others[0]}, which no demo makes; name another folder")
-
-
-def _has_browser() -> bool:
-    """Return whether there is a desktop; a browser of text would take the terminal."""
-    desktop = sys.platform == "darwin" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-    return desktop and sys.stdout.isatty()

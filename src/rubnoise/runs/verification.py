@@ -28,9 +28,9 @@ from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
 from rubnoise.simulation.run import Ended, simulate
 from rubnoise.storage.format import seal_of
+from rubnoise.storage.inventory import OF_HDF5, expected_inventory
 from rubnoise.storage.layout import environment
 from rubnoise.storage.life_curve import life_tables
-from rubnoise.storage.objects import OF_HDF5, expected_inventory
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import HASH, INTERVENTION
 from rubnoise.streams import STREAM_VERSION

@@ -1,7 +1,6 @@
 """Objects of an HDF5 file from elsewhere: each is found by name, over hard links alone, and checked before it is read.
 
-So a file leads to no other file, and nothing in it is counted or read that no file of ours has so much of. An inventory
-lists everything by name, and what the file of a correct run would have.
+So a file leads to no other file, and nothing in it is counted or read that no file of ours has so much of.
 """
 
 import os
@@ -11,7 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
-from tempfile import TemporaryFile
 from types import UnionType
 from typing import Any, Final
 
@@ -20,8 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.format import add_group, compose, hdf5_on
-from rubnoise.storage.layout import RunDescription, row_count, stored_groups
 from rubnoise.storage.schema import CHUNK_ROWS, Dataset, Scalar
 
 REMEDY: Final = "copy it again, or run its scenario again"
@@ -187,107 +183,3 @@ def read_attribute(owner: h5py.HLObject, name: str, wanted: type | UnionType = S
     if not isinstance(found, wanted):
         raise RunFileRefused(f"{place} is not {_WORDS.get(wanted, 'a number')}")
     return found
-
-
-MOST_OBJECTS: Final = 20_000
-"""More groups and columns are in no file of ours, be it the index of the largest sweep."""
-
-DEEPEST: Final = 4
-"""Groups that lie deeper below the root than this are in no file of ours."""
-
-GROUP, DATASET = "group", "dataset"
-
-Inventory = Mapping[str, Mapping[str, Any]]
-"""What there is, by path: its kind, of a dataset also type, shape and storage, and its attributes by name."""
-
-OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
-"""Attributes that HDF5 writes itself, in types of its own choice: which scale a dataset has."""
-
-
-def expected_inventory(about: RunDescription) -> Inventory:
-    """Return what the file of a run must hold beside its rows, made in a file without rows or name."""
-    with TemporaryFile(buffering=0) as room, hdf5_on(room.fileno(), "w") as file:
-        compose(file, about)
-        for group in stored_groups(about.features):
-            if group.name not in file:
-                add_group(file, group, row_count(group, about.extent), about.compression)
-        return inventory_of(file)
-
-
-def inventory_of(file: h5py.File) -> Inventory:
-    """Return everything that a file holds; of objects that are neither groups nor datasets of the file, only the names.
-
-    Raises RunFileRefused for more objects than any of our files has.
-    """
-    found: dict[str, dict[str, Any]] = {}
-    waiting = [("", file["/"])]
-    while waiting:
-        path, owner = waiting.pop()
-        found[path or "/"] = {"kind": GROUP, "attributes": _attributes(owner)}
-        if len(found) + len(waiting) + owner.id.get_num_objs() > MOST_OBJECTS:
-            raise RunFileRefused(f"holds more than {MOST_OBJECTS} groups and columns")
-        for name in owner:
-            place = f"{path}/{_readable(name)}"
-            entry = owner[name] if isinstance(owner.get(name, getlink=True), h5py.HardLink) else None
-            if isinstance(entry, h5py.Group) and place.count("/") < DEEPEST:
-                waiting.append((place, entry))
-            elif isinstance(entry, h5py.Dataset):
-                found[place] = _dataset(entry)
-            else:
-                kind = GROUP if isinstance(entry, h5py.Group) else "link" if entry is None else "type"
-                found[place] = {"kind": kind, "attributes": {}}
-    return found
-
-
-def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
-    creation = dataset.id.get_create_plist()
-    layout, storage = creation.get_layout(), "elsewhere"
-    if layout == h5py.h5d.CONTIGUOUS and not creation.get_external_count():
-        storage = "in one piece"
-    elif layout == h5py.h5d.CHUNKED:
-        filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
-        storage = f"in chunks of {creation.get_chunk()[0]} through filters {filters}"
-    ours = storage != "elsewhere" and dataset.ndim == 1
-    scales = [scale.name for scale in dataset.dims[0].values()] if ours else []
-    return {
-        "kind": DATASET,
-        "type": _type(dataset.dtype),
-        # HDF5 would look into other files for the shape of a virtual dataset.
-        "shape": [] if layout == h5py.h5d.VIRTUAL else list(dataset.shape or ()),
-        "storage": storage,
-        "attributes": _attributes(dataset) | {"scale": {"type": "path", "value": scales}},
-    }
-
-
-def _attributes(owner: h5py.HLObject) -> dict[str, Any]:
-    """Return type, shape and value of each attribute; the value is None if it is long, or of a type of no use here."""
-    if (count := h5py.h5a.get_num_attrs(owner.id)) > MOST_ATTRIBUTES:
-        raise RunFileRefused(f"{owner.name} has {count} attributes")
-    found: dict[str, Any] = {}
-    for name in owner.attrs:
-        attribute = owner.attrs.get_id(name)
-        plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.dtype.kind in "Sif"
-        value = np.asarray(owner.attrs[name]).tolist() if plain and attribute.shape is not None else None
-        shape = None if attribute.shape is None else list(attribute.shape)
-        found[_readable(name)] = {"type": _type(attribute.dtype), "shape": shape, "value": _listed(value)}
-    return found
-
-
-def _listed(value: Any) -> Any:
-    """Return a value as JSON has it: lists of numbers and texts."""
-    if isinstance(value, list):
-        return [_listed(each) for each in value]
-    return value.decode("utf-8", "backslashreplace") if isinstance(value, bytes) else value
-
-
-def _type(kind: np.dtype[Any]) -> str:
-    """Return the type of values as text; the texts are equal if the types are."""
-    text = h5py.check_string_dtype(kind)
-    if text is None:
-        return kind.str
-    return f"{text.encoding} text of {'any length' if text.length is None else f'{text.length} bytes'}"
-
-
-def _readable(name: str) -> str:
-    """Return a name with bytes that are no text as escapes."""
-    return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")

@@ -21,13 +21,12 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import column_chunks
 from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
+from rubnoise.storage.inventory import Inventory, inventory_of
 from rubnoise.storage.layout import Name, stored_groups
 from rubnoise.storage.objects import (
     MOST_ATTRIBUTES,
     REMEDY,
     ColumnPlace,
-    Inventory,
-    inventory_of,
     linked,
     naming_damage,
     opened_by_hdf5,

@@ -1,0 +1,170 @@
+"""`rubnoise listen`: the motion of the slider as a sound file."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from enum import StrEnum
+from functools import partial
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, cast
+
+import typer
+
+from rubnoise import __version__
+from rubnoise.answer import Answer, Row, rows
+from rubnoise.cli.layout import grouped, show
+from rubnoise.cli.options import ReplaceFile, argument, option
+from rubnoise.cli.progress import stoppable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rubnoise.analysis.sound import Heard, Hearing, Level, Sound
+
+
+What = StrEnum("What", "velocity force displacement normal-velocity load")
+Rate = StrEnum("Rate", {"CD": "44100", "VIDEO": "48000"})
+"""What can be heard, and samples a second."""
+
+
+def listen(
+    files: Annotated[list[Path], argument("RUN.h5", "Result files.")],
+    *,
+    output: Annotated[
+        Path | None, option("WAV", "The file to write; default: RUN_WHAT.wav, in this folder.", "-o", "--output")
+    ] = None,
+    what: Annotated[
+        What, option("WHAT", "The sound: velocity, force, displacement, normal-velocity or load.")
+    ] = What.velocity,
+    speed_up: Annotated[
+        float | None,
+        option(
+            "X",
+            "Factor by which the sound is faster than the run; default: 1, of several runs an audible one.",
+            "--speed-up",
+        ),
+    ] = None,
+    seconds: Annotated[float | None, option("S", "Length of the sound, from the start; default: all.")] = None,
+    rate: Annotated[Rate, option("RATE", "Samples a second: 44100 or 48000.")] = Rate.VIDEO,
+    force: ReplaceFile = False,
+) -> None:
+    """Write the slider's motion as sound.
+
+    Band-limited, without mean, peak at -3 dB, physical scale in the file.
+
+    Several runs get one scale and one length, so that they differ in loudness as they do in motion.
+
+    Example: rubnoise listen few.h5 many.h5 --speed-up 10
+    """
+    from rubnoise.analysis.sound import Sound, audible, level_of, on_one_scale
+    from rubnoise.cli.loading import finished_run
+    from rubnoise.storage.wave_file import check_length
+
+    for name, value in (("--speed-up", speed_up), ("--seconds", seconds)):
+        if value is not None and not (isfinite(value) and value > 0.0):
+            raise typer.BadParameter(f"{name}: {value:g} is no number above 0")
+    if output and len(files) > 1:
+        raise typer.BadParameter("-o names one file; several runs are written as RUN_WHAT.wav in this folder")
+    with ExitStack() as opened, stoppable() as between:
+        runs = [opened.enter_context(finished_run(file)) for file in files]
+        choose = partial(Sound.of, what=cast("Heard", what.value), rate=int(rate))
+        sounds = [choose(run, speed_up=speed_up or 1.0, seconds=None) for run in runs]
+        paths = [output or Path(f"{sound.file.path.stem}_{sound.what}.wav") for sound in sounds]
+        _check_paths(files, paths, force=force)
+        faster = speed_up or (audible(sounds[0], between) if len(sounds) > 1 else 1.0)
+        choose = partial(choose, speed_up=faster)
+        sounds = [choose(run, seconds=seconds) for run in runs]
+        shortest = min(sound.seconds for sound in sounds)
+        sounds = [sound if sound.seconds == shortest else choose(sound.file, seconds=shortest) for sound in sounds]
+        for sound in sounds:
+            check_length(sound.samples)
+        levels = on_one_scale(level_of(sound, between) for sound in sounds)
+        for path, sound, level in zip(paths, sounds, levels, strict=True):
+            _write(path, sound, level, between, force=force)
+            show(sound_answer(path, sound, level, others=len(sounds) - 1), as_json=False)
+
+
+def _check_paths(files: list[Path], paths: list[Path], *, force: bool) -> None:
+    """Raise Refused before anything is written if the sound of a file cannot be written to its path."""
+    from rubnoise.storage.output import check_output
+
+    for i, path in enumerate(paths):
+        if path in paths[:i]:
+            raise typer.BadParameter(f"{files[paths.index(path)]} and {files[i]} would both be written to {path}")
+        if path.suffix.lower() != ".wav":
+            raise typer.BadParameter(f"{path} does not end in .wav")
+        check_output(path, force=force, reads=files)
+
+
+def _write(path: Path, sound: "Sound", level: "Level", between: "Callable[[], None]", *, force: bool) -> None:
+    from rubnoise.analysis.sound import samples_of
+    from rubnoise.storage.output import whole_file
+    from rubnoise.storage.wave_file import write_wave
+
+    with whole_file(path, force=force) as part:
+        chunks = samples_of(sound, level, between)
+        write_wave(part, chunks, samples=sound.samples, rate=sound.rate, texts=wave_comments(sound, level))
+
+
+def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
+    """Return the texts in a sound file: title, the scale of its samples, and the program that wrote it."""
+    figures = {
+        "quantity": sound.what,
+        "unit": sound.units,
+        "full_scale": repr(level.full_scale),
+        "mean": repr(level.mean),
+        "speed_up": repr(sound.speed_up),
+        "sample_rate": str(sound.rate),
+        "run": sound.file.path.name,
+    }
+    return {
+        "INAM": str(sound.file.attributes["title"]) or sound.file.path.stem,
+        "ICMT": "; ".join(f"{name}={text}" for name, text in figures.items()),
+        "ISFT": f"rubnoise {__version__}",
+    }
+
+
+def sound_answer(path: Path, sound: "Sound", level: "Level", others: int = 0) -> Answer:
+    """Return the file that was written, its scale, and its audible part; ``others`` have the same scale."""
+    from rubnoise.analysis.sound import Hearing
+    from rubnoise.storage.wave_file import BITS
+
+    whose = "the loudest sample of all runs" if others else "the loudest sample"
+    rate = f"{grouped(sound.rate)} samples a second of {BITS} bits"
+    hearing = None if level.spectrum is None else Hearing.of(level.spectrum)
+    begins = sound.first * sound.tick_duration or None
+    told = rows(
+        "",
+        ("begins_at", begins, "s", "after the transient"),
+        ("speed_up", sound.speed_up),
+        ("full_scale", level.full_scale, sound.units, f"{whose} 3 dB below"),
+        ("mean", level.mean, sound.units, "taken away"),
+        ("natural_frequency", sound.natural, "Hz", f"heard at {(sound.natural or 0.0) * sound.speed_up:.4g} Hz"),
+    )
+    heard: Iterator[Row] = iter(())
+    if hearing is not None:
+        heard = rows(
+            "",
+            ("middle", hearing.middle, "Hz", "half of the power lies below"),
+            ("audible_share", hearing.audible, "", "20 Hz to 20 kHz"),
+            ("level", level.laptop, "dB", "re full scale, 200 to 4000 Hz: what a laptop plays"),
+        )
+    title = f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}"
+    return Answer(title=title, rows=(*told, *heard), notes=_advice(hearing, sound.speed_up))
+
+
+def _advice(hearing: "Hearing | None", speed_up: float) -> tuple[str, ...]:
+    """Return advice for a sound that most ears and small loudspeakers miss."""
+    if hearing is None:
+        return ("too short to estimate the audible part",)
+    better = hearing.better(speed_up)
+    if better is None:
+        return ()
+    if hearing.audible < 0.01:
+        problem = "next to nothing of it can be heard"
+    elif hearing.middle < 100.0:
+        problem = "most of it is deeper than small loudspeakers go"
+    else:
+        problem = "most of it is higher than many can hear"
+    middle = hearing.middle * better / speed_up
+    return (f"{problem}; --speed-up {better:g} would bring the middle to {middle:.3g} Hz",)
