@@ -72,13 +72,15 @@ READING = (
 )
 
 
+@pytest.fixture
+def place(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Stand in a copy of the folder with what commands read."""
+    monkeypatch.chdir(shutil.copytree(made, tmp_path / "place"))
+    return tmp_path / "place"
+
+
 @pytest.mark.parametrize("words", READING)
-def test_force_does_not_replace_what_is_read(
-    made: Path, tmp_path: Path, words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    place = tmp_path / "place"
-    shutil.copytree(made, place)
-    monkeypatch.chdir(place)
+def test_force_does_not_replace_what_is_read(place: Path, words: str) -> None:
     for name in ("run.html", "run.png", "run.wav"):
         shutil.copy("slider.h5", name)
     shutil.copy("contact.toml", "contact.png")
@@ -96,12 +98,7 @@ def test_force_does_not_replace_what_is_read(
 
 
 @pytest.mark.parametrize("words", [words for words in SAID.kept if WITH_SURFACES or " surface " not in words])
-def test_wrong_words_are_refused_and_make_nothing(
-    made: Path, tmp_path: Path, words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    place = tmp_path / "place"
-    shutil.copytree(made, place)
-    monkeypatch.chdir(place)
+def test_wrong_words_are_refused_and_make_nothing(place: Path, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     before = names(place)
     answer = call(*split(words)[1:])

@@ -74,7 +74,7 @@ def draw_count(figure: "Figure", stretch: Stretch) -> str:
     along.locator_params(axis="y", integer=True)
     often.locator_params(axis="x", integer=True)
     often.set(xlabel=track.quantity.label, ylabel="share of the ticks")
-    return "How many junctions are alive"
+    return "Live junctions"
 
 
 LAGS, LAG_LIVES = 80, 1.6
@@ -244,7 +244,7 @@ def draw_values(figure: "Figure", stretch: Stretch, of: str = "area") -> str:
     logarithmic(tails.yaxis)
     atom = 0.0 if law is None else law.atom_at_zero
     known = f"\nno contact at all: {np.mean(values == 0.0):.3g} (exact {atom:.3g})" if atom > RARE else ""
-    return f"How often each {track.quantity.words} occurs{_off_surface(track, values)}{known}"
+    return f"Distribution of the {track.quantity.words}{_off_surface(track, values)}{known}"
 
 
 def _off_surface(track: Track, values: Doubles) -> str:
@@ -262,9 +262,9 @@ def _off_surface(track: Track, values: Doubles) -> str:
 
 Law = Literal["sizes", "lives", "gaps"]
 LAWS: Final[Mapping[Law, tuple[str, str]]] = {
-    "sizes": ("How large junctions are", "diameter (µm)"),
-    "lives": ("How far junctions slide in their lives", "life distance (µm)"),
-    "gaps": ("How far births lie apart", "from a birth to the next (µm)"),
+    "sizes": ("Diameters at birth", "diameter (µm)"),
+    "lives": ("Life distances", "life distance (µm)"),
+    "gaps": ("Gaps between births", "gap (µm)"),
 }
 POPULATION_BINS, LONGEST_GAPS = 40, 6.0
 """Bins of a histogram, and mean gaps that are shown: 0.25 % of gaps at random are longer."""
@@ -298,4 +298,4 @@ def draw_population(figure: "Figure", stretch: Stretch, of: Law) -> str:
     draw_histogram(axes, values, edges, values.size, law, band=True)
     mark_mean(axes, values, "mean")
     axes.set(xlim=(edges[0], edges[-1]), xlabel=label, ylabel="density (1/µm)")
-    return f"{words}: {values.size:,} of them, mean {values.mean():.4g} µm"
+    return f"{words}: {values.size:,}, mean {values.mean():.4g} µm"

@@ -72,7 +72,7 @@ def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None
     if density:
         draw_density(panes[-1], whole[0].record(), speeds[0].record())
         span = f"{whole[0].begin:.4g} to {whole[0].end:.4g} s"
-        panes[-1].set_title(f"how often it is where, {span}", fontsize="medium")
+        panes[-1].set_title(f"share of the time, {span}", fontsize="medium")
     drive = 1e-3 * (stretch.model.sliding_speed or 0.0)
     for axes in panes:
         label = f"speed V of the drive, {drive:.4g} mm/s"
@@ -133,7 +133,7 @@ def draw_landmarks(figure: "Figure", stretch: Stretch) -> str:
     if isinstance(found, StickSlip):
         if not (found.slip_lengths.size or found.stick_times.size):
             raise Refused(f"the slider ends no slip and no stick {span}")
-        title = "How far the slider slips and how long it sticks"
+        title = "Slip lengths and stick times"
         longer = int((found.slip_lengths > model.calibrated_diameter).sum())
         diameter = model.calibrated_diameter, f"mean diameter; {longer:,} slips are longer"
         draw_counts(left, found.slip_lengths, "slip", "slip length", "µm", diameter)
@@ -142,7 +142,7 @@ def draw_landmarks(figure: "Figure", stretch: Stretch) -> str:
         if not (isinstance(found, Flights) and held is not None and found.impacts.size):
             raise Refused(f"the slider does not fall back on the surface {span}")
         off = 100.0 * found.share(track.begin, track.end)
-        title = f"How fast overlaps grow at impacts, and how long the slider was off: {off:.3g} % of the time"
+        title = f"Impact speeds and flight times; off the surface for {off:.3g} % of the time"
         rise = 2e-3 * np.pi * track.natural * held.height_scale, "height scale times contact resonance"
         draw_counts(left, 1e-3 * found.speeds, "impact", "impact speed", "mm/s", rise)
         draw_counts(right, 1e3 * found.times, "flight", "flight time", "ms", (1e3 / track.natural, CONTACT_PERIOD))

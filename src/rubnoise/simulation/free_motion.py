@@ -29,8 +29,8 @@ from rubnoise.simulation.free.motion import (
     SUMMIT,
     TICK,
     TOUCH,
-    BlockOutput,
     Goal,
+    Room,
     Surface,
     advance,
 )
@@ -118,7 +118,7 @@ class FreeRun:
         state, layers = self._state, self._layers
         end = (ticks - 1) * self.surface.tick if final else self.surface.length
         goal = Goal(end, ticks, self.surface.tick)
-        out = BlockOutput(np.empty(ticks, TICK), np.empty(_ROOM, TOUCH), np.empty(_ROOM, MARK))
+        out = Room(np.empty(ticks, TICK), np.empty(_ROOM, TOUCH), np.empty(_ROOM, MARK))
         touches, marks, code = [], [], DEEPER
         state["count"], state["tick"] = self.contacts.size, 0
         contacts = np.concatenate([self.contacts, np.zeros(64, CONTACT)])

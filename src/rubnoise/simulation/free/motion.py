@@ -18,6 +18,7 @@ from rubnoise.simulation.free.step import (
     Records,
     Series,
     add_up,
+    begin_fresh,
     bounds,
     first_zero,
     load_of,
@@ -86,8 +87,8 @@ class Goal(NamedTuple):
     tick: float
 
 
-class BlockOutput(NamedTuple):
-    """Rows of ticks, touches and marks."""
+class Room(NamedTuple):
+    """Room for the rows of a block: ticks, touches and marks."""
 
     ticks: Records
     touches: Records
@@ -189,17 +190,6 @@ def _prepare(now: Any, law: Constants, contacts: Records, longest: float, series
 
 
 @compiled_within
-def _begin_fresh(f_slope: float, f_bend: float, third: float, fourth: float, step: float) -> float:
-    """Return the time before which the rate of an overlap that has just turned cannot be 0 again."""
-    begin = 1e-9 * step
-    if f_slope < 0.0 and third > 0.0:
-        begin = max(begin, -2.0 * f_slope / third)
-    if f_slope <= 0.0 and f_bend < 0.0 and fourth > 0.0:
-        begin = max(begin, -3.0 * f_bend / fourth)
-    return begin
-
-
-@compiled_within
 def _first_touch(
     now: Any, law: Constants, surface: Surface, bend: float, series: Doubles, step: float
 ) -> tuple[int, float]:
@@ -256,7 +246,7 @@ def _first_turn(
             if f < -_CLEAR * (abs(now.w) + 2.0 * law.speed * abs(ahead)):
                 now.fresh = -1
             else:
-                begin = _begin_fresh(f_slope, -6.0 * way * series[3], third, fourth, step)
+                begin = begin_fresh(f_slope, -6.0 * way * series[3], third, fourth, step)
         if begin == 0.0 and f + max(f_slope, 0.0) * when + 0.5 * third * when * when < 0.0:
             continue
         time = first_zero(RATE, -level, ahead, law.speed, way, third, begin, series, when)
@@ -313,7 +303,7 @@ def _follow(
     event: int,
     which: int,
     after: float,
-    out: BlockOutput,
+    out: Room,
 ) -> None:
     """Change what an event changes: who is in contact, and with which weight."""
     if event == _TOUCH:
@@ -357,9 +347,7 @@ def _write_ticks(
 
 
 @compiled_within
-def _step(
-    now: Any, law: Constants, contacts: Records, surface: Surface, goal: Goal, out: BlockOutput, series: Series
-) -> bool:
+def _step(now: Any, law: Constants, contacts: Records, surface: Surface, goal: Goal, out: Room, series: Series) -> bool:
     """Move to the next event; return False, and do not move, if the pool is not deep enough."""
     _list(now, surface)
     longest = min(goal.place - now.s, REACH) / law.speed
@@ -392,7 +380,7 @@ def _step(
 
 @compiled
 def advance(
-    state: Records, law: Constants, contacts: Records, surface: Surface, goal: Goal, out: BlockOutput, series: Series
+    state: Records, law: Constants, contacts: Records, surface: Surface, goal: Goal, out: Room, series: Series
 ) -> int:
     """Move to the goal, and write the ticks before it; state (1,) and the contacts are changed in place.
 

@@ -275,3 +275,14 @@ def first_zero(
         if x <= ROUNDING * time or x == 0.0:
             break
     return time
+
+
+@compiled_within
+def begin_fresh(f_slope: float, f_bend: float, third: float, fourth: float, step: float) -> float:
+    """Return the time before which the rate of an overlap that has just turned cannot be 0 again."""
+    begin = 1e-9 * step
+    if f_slope < 0.0 and third > 0.0:
+        begin = max(begin, -2.0 * f_slope / third)
+    if f_slope <= 0.0 and f_bend < 0.0 and fourth > 0.0:
+        begin = max(begin, -3.0 * f_bend / fourth)
+    return begin
