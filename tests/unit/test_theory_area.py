@@ -13,7 +13,7 @@ from rubnoise.contact.distributions import Fixed, Normal, Weibull
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.moments import area_cumulants, force_cumulants, zero_share
-from rubnoise.theory.second_order import count_noise
+from rubnoise.theory.second_order import autocovariance, count_noise
 from tests.laws.scores import seed_of
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
 
@@ -74,6 +74,21 @@ def test_covariance_is_the_life_that_is_left(lag: float) -> None:
     expected = WIDE.birth_rate * dense(WIDE, lambda d: np.maximum(2.0 * d - lag, 0.0))
     assert count_noise(WIDE).covariance(lag) == pytest.approx(expected, rel=1e-8, abs=1e-9)
     assert count_noise(WIDE).covariance(-lag) == count_noise(WIDE).covariance(lag)
+
+
+@pytest.mark.parametrize("percent", [0.3, 4.0, 15.0])
+@pytest.mark.parametrize("lag", [0.0, 4.0, 7.9, 8.3])
+def test_covariance_of_sizes_that_end_sharply_above(percent: float, lag: float) -> None:
+    """Triangles overlap as a cubic spline; sizes of a narrow Weibull law reach far below its mean, and hardly above."""
+    model = replace(model_of(Weibull(mean=4.0, std=0.04 * percent), 4.0), pulse=TRIANGLE)
+
+    def covariance(t: float) -> float:
+        return dense(
+            model, lambda d: d**5 * (np.maximum(2.0 - t / d, 0.0) ** 3 - 4.0 * np.maximum(1.0 - t / d, 0.0) ** 3)
+        )
+
+    found = float(autocovariance(model, lag) / autocovariance(model, 0.0))
+    assert found == pytest.approx(covariance(lag) / covariance(0.0), rel=0.0, abs=1e-8)
 
 
 @pytest.mark.parametrize("distance", [3.0, 11.06, 200.0, 40_000.0])

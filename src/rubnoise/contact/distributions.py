@@ -233,13 +233,14 @@ class Gamma:
 @lru_cache(maxsize=64)
 def _weibull_exponent(variation: float) -> float:
     """Return 1/shape of the Weibull law whose standard deviation over mean is given."""
-    from scipy.optimize import brentq  # takes long to load, and few laws need it
 
     def excess(exponent: float) -> float:
         return lgamma(1.0 + 2.0 * exponent) - 2.0 * lgamma(1.0 + exponent) - wanted
 
-    wanted = log1p(variation * variation)
-    return float(brentq(excess, variation / 3.0, 2.0 * variation, xtol=1e-17, rtol=1e-15))
+    wanted, low, high = log1p(variation * variation), variation / 3.0, 2.0 * variation
+    while low < (middle := 0.5 * (low + high)) < high:  # scipy's root finders take longer to load than a whole answer
+        low, high = (middle, high) if excess(middle) < 0.0 else (low, middle)
+    return middle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

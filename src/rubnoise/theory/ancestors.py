@@ -88,9 +88,8 @@ def white_noise(model: Model) -> dict[str, float | None]:
     lost = 2.0 * slider.damping
     place, speed = (sqrt(density / (lost * each)) if lost else inf for each in (slider.stiffness, slider.mass))
     corner = half_power_wavenumber(model) if are_at_random(model) else None
-    phase = None if corner is None else corner * model.mean_life_distance
     known = {"force_density": density, "displacement_std": place, "velocity_std": speed}
-    return known | {"wavenumber": corner, "life_phase": phase}
+    return known | {"wavenumber": corner, "life_phase": corner and corner * model.mean_life_distance}
 
 
 def white_spectrum(name: str, model: Model, angular_frequency: Doubles) -> Doubles:

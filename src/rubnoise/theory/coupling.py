@@ -74,8 +74,7 @@ def coupling(model: Model) -> Coupling:
     slider, psi, sizes = drive.slider, motion.strengths_of(model), model.sizes
     strength = inf if known else nan  # a force of other births, or under a load, says nothing at low frequency
     if known and slider.damping > 0.0:
-        density = float(area_noise(model, psi).density(0.0))
-        strength = density / (2.0 * slider.mass * slider.damping * drive.speed**3)
+        strength = float(area_noise(model, psi).density(0.0)) / (2.0 * slider.mass * slider.damping * drive.speed**3)
     impulse = model.pulse.cubed_integral / model.pulse.squared_integral * psi.moment(3) / psi.moment(2)
     kick = impulse * sizes.moment(9) / sizes.moment(6) / (slider.mass * drive.speed**2)
     unknown = _unknown(model, strength, kick)
@@ -244,7 +243,7 @@ def third_octaves(model: Model) -> dict[str, Doubles]:
     middles = 10.0 ** (0.1 * np.array(band_numbers(1e-4 * natural, 1e4 * natural)))
     ends = 2.0 * pi / drive.speed * np.append(middles / THIRD, middles[-1] * THIRD)
     edges = motion.response_edges(model, drive)
-    k, weight = panels(np.unique(np.concatenate([ends, edges[(edges > ends[0]) & (edges < ends[-1])]])), 16)
+    k, weight = panels(np.unique(np.concatenate([ends, edges[(edges > ends[0]) & (edges < ends[-1])]])), 8)
     density = motion.density_of(model, "normal_velocity", k, exact=False)
     power = np.histogram(k, ends, weights=weight * density / pi)[0]
     kept = power > 1e-6 * motion.covariances(model)["normal_velocity", "normal_velocity"]

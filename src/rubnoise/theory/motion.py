@@ -124,7 +124,7 @@ def answers(model: Model, wavenumber: Doubles) -> dict[str, tuple[Complexes, Com
     return found
 
 
-_NODES = 16
+_NODES = 12
 _SWING = 8.0  # phase k d of a panel that still follows the swing of the spectrum, which has period pi
 _RESOLVED = 4000.0  # phase to which every swing is followed; beyond it the swing holds less than 1e-8 of any integral
 _SETTLED, _ABOVE = 256.0, 100.0  # the same for a slower slider, and for a faster one so many times its last corner

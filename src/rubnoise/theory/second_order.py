@@ -46,6 +46,7 @@ def need_random_births(model: Model, quantity: str) -> None:
         raise Refused(f"{quantity} is known for Poisson births alone (birth.law)")
 
 
+@lru_cache(maxsize=16)
 class BirthPart:
     """What births that are not at random add to a covariance: lines (rad/um), and the rest from the mean life."""
 
@@ -57,6 +58,8 @@ class BirthPart:
         # A whole number of spacings of a whole number of points, so that lines lie at wavenumbers of the transform.
         spacings = ceil(2.0 * reach * rate)
         self._points = 2 ** ceil(log2(_AGES / spacings)) if 4 * spacings <= _AGES else 1
+        equal, regular = is_one_life(model), isinstance(births, RegularBirths)
+        spacings = 1 if equal and regular else spacings  # nothing is asked of these between lines
         self._rate, self._step, count = rate, 1.0 / (rate * self._points), spacings * self._points
         mean_life, ages = np.zeros(count), np.arange(min(int(longest / self._step) + 2, count), dtype=np.float64)
         if life.power:
@@ -66,8 +69,7 @@ class BirthPart:
             mean_life[: ages.size] = np.diff(grown, prepend=0.0) / self._step
         k = np.asarray(2.0 * pi * np.fft.rfftfreq(count, self._step), dtype=np.float64)
         squares = np.square(np.abs(np.fft.rfft(mean_life)) * self._step)
-        power = squares[spacings::spacings]
-        equal, jumps = is_one_life(model), life.power == 0 and isinstance(births, RegularBirths)
+        power, jumps = squares[spacings::spacings], regular and life.power == 0
         if equal:
             d = float(sizes.diameter[0])
             power = np.square(rate * d ** (life.power + 1)) * life.energy(k[spacings::spacings] * d)
@@ -97,9 +99,6 @@ class BirthPart:
             return _on_parabolas(self._swing, part * self._points)
         f = self._one_more
         return np.maximum(0.0, f - part) + np.maximum(0.0, f - 1.0 + part) - f * f
-
-
-_birth_part = lru_cache(maxsize=16)(BirthPart)
 
 
 def _on_parabolas(values: Doubles, place: Doubles) -> Doubles:
@@ -167,7 +166,7 @@ class ShotNoise:
     def covariance(self, lag: ArrayLike) -> Doubles:
         """Return the covariance at lags in um of any shape; at 0 the variance."""
         lags = np.abs(np.asarray(lag, dtype=np.float64))
-        lines = _birth_part(self.model, self.life).lines(lags) if self.lines[1].size else 0.0
+        lines = BirthPart(self.model, self.life).lines(lags) if self.lines[1].size else 0.0
         return self.unphased(lags) + self.squared_mean * lines
 
     def unphased(self, lag: Doubles) -> Doubles:
@@ -176,7 +175,7 @@ class ShotNoise:
             return self.square * self.single(lag)
         if is_one_life(self.model) and isinstance(self.model.births, RegularBirths):
             return (self.square - self.squared_mean) * self.single(lag)
-        return self.square * self.single(lag) + self.squared_mean * _birth_part(self.model, self.life).covariance(lag)
+        return self.square * self.single(lag) + self.squared_mean * BirthPart(self.model, self.life).covariance(lag)
 
     def variance_of_mean(self, distance: float | None = None) -> float:
         """Return the variance of the mean over a stationary record of T um, or the model's ticks; see `lag_rule`."""
@@ -201,7 +200,7 @@ class ShotNoise:
         """Wavenumbers k_n = 2 pi n lam (rad/um) and powers, over 1e-26 of the squared mean; as much lies at -k_n."""
         if not self.model.births.line_share(np.zeros(1))[0]:
             return np.empty(0), np.empty(0)
-        found = _birth_part(self.model, self.life)
+        found = BirthPart(self.model, self.life)
         return found.wavenumber, found.power
 
 
@@ -245,14 +244,13 @@ def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
 
 def half_power_wavenumber(model: Model) -> float:
     """Return the least k in rad/um with S(k) = S(0)/2: 2.2522/d for lenses of one size; Refused as `tail`."""
-    from scipy.optimize import brentq
-
     need_random_births(model, "the corner of the spectrum")
     half = 0.5 * float(spectral_density(model, 0.0))
     low, high = 0.0, 0.25 / model.sizes.support[1]
     while float(spectral_density(model, high)) > half:
         low, high = high, 1.25 * high
-    return float(brentq(lambda k: float(spectral_density(model, k)) - half, low, high, xtol=1e-14 * high, rtol=1e-13))
+    near = np.polynomial.Chebyshev.interpolate(lambda k: spectral_density(model, k) - half, 15, [low, high])
+    return float(next(root.real for root in near.roots().tolist() if low <= root.real <= high and not root.imag))
 
 
 def joint_cumulant(model: Model, lag: Doubles, i: int, j: int) -> Doubles:

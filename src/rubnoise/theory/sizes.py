@@ -22,7 +22,7 @@ _PANEL = 16
 _PHASE = 110.0  # k times the width of a law to which FINE diameters follow the swing of a spectrum
 _NARROWEST = 1e-6  # spread over diameter of a law that counts as one size
 _LEFT_OUT, _UNSEEN = 1e-17, 1e-13
-_CUT_PANELS, _FEWEST, _TABLE, _TURNS = 3.0, 8, 300, 50
+_CUT_PANELS, _SPREADS, _FEWEST, _TABLE, _TURNS = 4.0, 1.8, 8, 150, 50
 _NARROW = 0.8  # logarithm of the factor that a narrow law counts as
 _AT_ONCE, _PHASES_AT_ONCE = 1 << 12, 1 << 17  # more places than a table has
 _rule = cache(np.polynomial.legendre.leggauss)
@@ -95,7 +95,9 @@ def _gauss(leaf: Law, panels_of_factor: float, fewest: int, cuts: Doubles | None
     (low, high), shape = size_range(leaf), () if cuts is None else cuts.shape[:-1]
     if low == high:
         return np.full((*shape, 1), low), np.ones((*shape, 1))
-    edges = np.linspace(log(low), log(high), max(fewest, ceil(panels_of_factor * log(high / low))) + 1)
+    spread = max(leaf.moment(2) / leaf.mean**2 - 1.0, 0.0) ** 0.5
+    wanted = log(high / low) * max(panels_of_factor, 1.0 / (_SPREADS * spread))
+    edges = np.linspace(log(low), log(high), max(fewest, ceil(wanted)) + 1)
     if cuts is not None:
         whole = np.broadcast_to(edges, (*shape, edges.size))
         edges = np.sort(np.concatenate([whole, np.log(np.clip(cuts, low, high))], axis=-1), axis=-1)
@@ -122,8 +124,9 @@ def size_range(law: Law) -> tuple[float, float]:
     while weight(beyond, 8) > _LEFT_OUT or weight(2.0 * beyond, 8) > weight(beyond, 8):
         beyond, high, step = high + step, high + step, 1.25 * step
     low = max(low, 2.0**-200 * high)
-    while weight(2.0 * low, 1) <= _LEFT_OUT and 4.0 * low < high:
-        low *= 2.0
+    for factor in (2.0, 1.1):
+        while weight(factor * low, 1) <= _LEFT_OUT and factor**2 * low < high:
+            low *= factor
     return low, high
 
 

@@ -172,6 +172,8 @@ def _faded(z: Doubles, settled: float | Doubles, followed: Function, rest: Funct
     kept = np.interp(z - settled + _STEP_BEFORE, *_step())
     found = np.zeros(z.shape, dtype=np.complex128)
     inside, beyond = kept > _NONE, kept < 1.0 - _NONE
+    if not beyond.any():
+        return followed(z)
     found[inside] = followed(z[inside])
     share = kept[beyond]
     found[beyond] = share * found[beyond] + (1.0 - share) * rest(np.maximum(z[beyond], 20.0))
