@@ -1,6 +1,7 @@
 """The scenarios that come along: all run, and studies and lessons show what their comments say."""
 
 from math import sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import rubnoise
 from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio
+from rubnoise.cli.theory_answer import theory_answer
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Sweep, load_sweep, points_of
@@ -19,6 +21,14 @@ from tests.unit.scenarios import tallied
 STUDIES = ROOT / "scenarios" / "studies"
 COUNT, RATIO, SPEED = "interface.mean_junction_count", "slider.damping_ratio", "sliding.speed"
 FORCE = "friction_force_std"
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "scenarios").rglob("*.toml")), ids=lambda path: path.stem)
+def test_theory_has_an_answer_for_it(path: Path) -> None:
+    swept = "\n[sweep" in path.read_text(encoding="utf-8")
+    scenarios = [case.scenario for case in load_sweep(path).cases] if swept else [rubnoise.load(path)]
+    for model in {scenario.model() for scenario in (scenarios[0], scenarios[-1])}:
+        assert theory_answer(path.stem, model, {}, brief=True).to_text()
 
 
 def _study(name: str, *changes: str) -> Sweep:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
-from math import inf, pi, sqrt
+from math import inf, nan, pi, sqrt
 from typing import Final
 
 import numpy as np
@@ -216,7 +216,7 @@ class Response:
     @property
     def upcrossing_rate(self) -> float:
         """How often x passes its mean upwards in a second if it is Gaussian, std x'/(2 pi std x) (Rice 1945)."""
-        return self.velocity_std / (2.0 * pi * self.displacement_std)
+        return self.velocity_std / (2.0 * pi * self.displacement_std) if self.displacement_std else nan
 
 
 def response(model: Model) -> Response:
