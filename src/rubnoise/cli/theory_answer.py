@@ -83,7 +83,7 @@ def _areas(model: Model, *, brief: bool) -> Doubles:
 
 
 def _rounded(value: float) -> float:
-    return float(f"{value:.1g}")
+    return float(f"{value * (1.0 + 1e-9):.1g}")  # a half goes up, whatever its last bit
 
 
 CONVENTION: Final = (

@@ -22,8 +22,8 @@ _PANEL = 16
 _PHASE = 110.0  # k times the width of a law to which FINE diameters follow the swing of a spectrum
 _NARROWEST = 1e-6  # spread over diameter of a law that counts as one size
 _LEFT_OUT, _UNSEEN = 1e-17, 1e-13
+# Panels of a factor e of size, widest one in standard deviations, fewest panels; those of tables, and about a turn.
 _CUT_PANELS, _SPREADS, _FEWEST, _TABLE, _TURNS = 4.0, 1.8, 8, 150, 50
-_NARROW = 0.8  # logarithm of the factor that a narrow law counts as
 _AT_ONCE, _PHASES_AT_ONCE = 1 << 12, 1 << 17  # more places than a table has
 _rule = cache(np.polynomial.legendre.leggauss)
 
@@ -84,20 +84,20 @@ def sizes_of(law: Law, per_factor: float = FINE) -> SizeRule:
         inside, outside = leaf.density(np.array(leaf.support)), leaf.density(np.nextafter(leaf.support, (-inf, inf)))
         jumps = (outside == 0.0) & (inside > 0.0) & (np.array(leaf.support) > 0.0)
         finer = _HARD if low < high and jumps.any() else 1.0
-        diameter, probability = _gauss(leaf, finer * per_factor / _PANEL, ceil(_NARROW * per_factor / _PANEL))
+        diameter, probability = _gauss(leaf, finer * per_factor / _PANEL, per_factor / FINE)
         followed = inf if low == high else _PHASE * finer / (high - low)
         rules.append((diameter, weight * probability, np.full(diameter.size, followed)))
     return SizeRule(*(np.concatenate(each) for each in zip(*rules, strict=True)))
 
 
-def _gauss(leaf: Law, panels_of_factor: float, fewest: int, cuts: Doubles | None = None) -> tuple[Doubles, Doubles]:
+def _gauss(leaf: Law, panels_of_factor: float, fine: float, cuts: Doubles | None = None) -> tuple[Doubles, Doubles]:
     """Return diameters and probabilities on panels in log d, scaled to give E[d] exactly, as narrow laws need."""
     (low, high), shape = size_range(leaf), () if cuts is None else cuts.shape[:-1]
     if low == high:
         return np.full((*shape, 1), low), np.ones((*shape, 1))
     spread = max(leaf.moment(2) / leaf.mean**2 - 1.0, 0.0) ** 0.5
-    wanted = log(high / low) * max(panels_of_factor, 1.0 / (_SPREADS * spread))
-    edges = np.linspace(log(low), log(high), max(fewest, ceil(wanted)) + 1)
+    wanted = log(high / low) * max(panels_of_factor, fine / (_SPREADS * spread))
+    edges = np.linspace(log(low), log(high), ceil(max(_FEWEST * fine, wanted)) + 1)
     if cuts is not None:
         whole = np.broadcast_to(edges, (*shape, edges.size))
         edges = np.sort(np.concatenate([whole, np.log(np.clip(cuts, low, high))], axis=-1), axis=-1)
@@ -143,7 +143,7 @@ def over_sizes(model: Model, unit: Function, power: int, x: Doubles) -> Doubles:
     for share, leaf in _leaves(model.sizes):
         for rows in np.array_split(np.arange(x.size), 1 + x.size // _AT_ONCE):
             some = x.ravel()[rows, None]
-            diameter, probability = _gauss(leaf, _CUT_PANELS, _FEWEST, some * (0.5, 1.0))
+            diameter, probability = _gauss(leaf, _CUT_PANELS, 1.0, some * (0.5, 1.0))
             found[rows] += np.sum(unit(some / diameter) * (share * probability) * diameter**power, axis=-1)
     return model.birth_rate * found.reshape(x.shape)
 
