@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import combinations_with_replacement, product
 from math import factorial, hypot, inf, pi, sqrt
 from numbers import Integral
 
@@ -38,8 +38,7 @@ def mean_force_error(model: Model, distance: float | None = None) -> float:
     deviations = replace(noise, square=max(noise.square - noise.squared_mean, 0.0), squared_mean=0.0)
     drive, slid = motion.contact_drive_of(model), distance or (model.tick_count + 1) * model.tick
     place, velocity = (motion.std_of(model, name) for name in ("separation", "normal_velocity"))
-    carried = _carried_momentum(drive, place, velocity, slid)
-    return deviations.error_of_mean(distance) + psi.mean / drive.gain * carried
+    return deviations.error_of_mean(distance) + psi.mean / drive.gain * _carried_momentum(drive, place, velocity, slid)
 
 
 def standard_errors(model: Model, distance: float | None = None, strengths: Law = AREA_ITSELF) -> dict[str, float]:
@@ -54,12 +53,12 @@ def standard_errors(model: Model, distance: float | None = None, strengths: Law 
     cumulants = shot_cumulants(model, strengths)
     lags, weights = second_order.lag_rule(model, distance)
     series = np.zeros((_ORDERS, _ORDERS, lags.size))
-    for i, j in product(range(_ORDERS), repeat=2):
-        if i and j:
+    for i, j in combinations_with_replacement(range(_ORDERS), 2):
+        if i:
             joint = strengths.moment(i + j) * second_order.joint_cumulant(model, lags, i, j)
         else:
-            joint = np.full(lags.size, cumulants.values[i + j - 1] if i + j > 1 else 0.0)
-        series[i, j] = joint / (cumulants.std ** (i + j) * factorial(i) * factorial(j))
+            joint = np.full(lags.size, cumulants.values[j - 1] if j > 1 else 0.0)
+        series[i, j] = series[j, i] = joint / (cumulants.std ** (i + j) * factorial(i) * factorial(j))
     moments = _exponential(series)
     covariances = (moments - moments[:, :1] * moments[:1]) @ weights
     scale = np.array([factorial(i) for i in range(_ORDERS)])

@@ -206,8 +206,7 @@ class ShotNoise:
 
 def is_one_life(model: Model) -> bool:
     """Return whether all lives are equal."""
-    low, high = size_range(model.sizes)
-    return low == high and model.pulse.offset == "none"
+    return len(set(size_range(model.sizes))) == 1 and model.pulse.offset == "none"
 
 
 def area_noise(model: Model, strengths: Law = AREA_ITSELF) -> ShotNoise:

@@ -21,7 +21,7 @@ _HARD = 6.0  # times as many for a law whose density jumps: its swings do not fa
 _PANEL = 16
 _PHASE = 110.0  # k times the width of a law to which FINE diameters follow the swing of a spectrum
 _NARROWEST = 1e-6  # spread over diameter of a law that counts as one size
-_LEFT_OUT, _UNSEEN = 1e-17, 1e-13
+_LEFT_OUT, _UNSEEN, _SMALL = 1e-17, 1e-13, 1e-6
 # Panels of a factor e of size, widest one in standard deviations, fewest panels; those of tables, and about a turn.
 _CUT_PANELS, _SPREADS, _FEWEST, _TABLE, _TURNS = 4.0, 1.8, 8, 150, 50
 _AT_ONCE, _PHASES_AT_ONCE = 1 << 12, 1 << 17  # more places than a table has
@@ -85,8 +85,10 @@ def sizes_of(law: Law, per_factor: float = FINE) -> SizeRule:
         jumps = (outside == 0.0) & (inside > 0.0) & (np.array(leaf.support) > 0.0)
         finer = _HARD if low < high and jumps.any() else 1.0
         diameter, probability = _gauss(leaf, finer * per_factor / _PANEL, per_factor / FINE)
+        shares = (probability * diameter**n for n in (1, 12))
+        seen = np.any([share > (_UNSEEN if per_factor == FINE else _SMALL) * share.max() for share in shares], axis=0)
         followed = inf if low == high else _PHASE * finer / (high - low)
-        rules.append((diameter, weight * probability, np.full(diameter.size, followed)))
+        rules.append((diameter[seen], weight * probability[seen], np.full(seen.sum(), followed)))
     return SizeRule(*(np.concatenate(each) for each in zip(*rules, strict=True)))
 
 
