@@ -61,7 +61,7 @@ def test_two_writers_at_once_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("story", [BARE, *SMALL], ids=lambda story: story.name)
 def test_a_call_that_fails_leaves_one_line_and_the_older_result(story: Story) -> None:
-    outcome = failing((story,), every=examples(41, 7))
+    outcome = failing((story,), every=examples(41, 13))
     assert outcome.findings == []
     assert outcome.counts["exit code 2"] > 2 < outcome.counts["exit code 1"]
 

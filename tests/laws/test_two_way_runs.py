@@ -174,7 +174,7 @@ def test_another_slider_is_told_from_that_of_the_reference() -> None:
     assert not _score("displacement_std", point["displacement_std"], pooled("displacement_std", one_way)).agrees
 
 
-MANY, SHARE = 24, 0.08
+MANY, SHARE = 24, 0.04
 """So many fields, each of this share of the length of one of the reference; Student's law of few would be wider."""
 FAST = 1e5
 """From this speed (um/s) on one-way coupling, whose figures are exact, moves the slider alike on the same junctions."""

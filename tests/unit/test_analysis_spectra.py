@@ -56,7 +56,7 @@ def test_it_is_flat_for_white_noise_and_falls_for_one_with_memory() -> None:
 
 # Powers of bands: what they add up to, and that their errors are the spread of many runs.
 TICKS = 256
-RUNS = 80
+RUNS = 50
 LENS = bare(tick=0.4, distance=2000.0)
 TRIANGULAR = replace(LENS, pulse=TRIANGLE)
 
@@ -80,7 +80,7 @@ def test_errors_are_the_spread_of_many_runs(run: Model, name: str) -> None:
     rows = bands(run, name)
     scores = np.array([[(band.observed - band.expected) / band.standard_error for band in row] for row in rows])
     assert np.abs(scores.mean(axis=0)).max() <= 4.0 / RUNS**0.5
-    # A spread of 80 runs is known to 1/sqrt(160), a little worse for laws with a longer tail.
+    # A spread of 50 runs is known to a tenth, a little worse for laws with a longer tail.
     assert np.abs(scores.std(axis=0) - 1.0).max() <= 4.0 * 1.2 / (2.0 * RUNS) ** 0.5
 
 
