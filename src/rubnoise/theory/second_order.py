@@ -244,12 +244,12 @@ def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
 def half_power_wavenumber(model: Model) -> float:
     """Return the least k in rad/um with S(k) = S(0)/2: 2.2522/d for lenses of one size; Refused as `tail`."""
     need_random_births(model, "the corner of the spectrum")
-    half = 0.5 * float(spectral_density(model, 0.0))
-    low, high = 0.0, 0.25 / model.sizes.support[1]
+    half, low, high = 0.5 * float(spectral_density(model, 0.0)), 0.0, 0.25 / model.sizes.support[1]
     while float(spectral_density(model, high)) > half:
         low, high = high, 1.25 * high
     near = np.polynomial.Chebyshev.interpolate(lambda k: spectral_density(model, k) - half, 15, [low, high])
-    return float(next(root.real for root in near.roots().tolist() if low <= root.real <= high and not root.imag))
+    roots = (root for root in near.roots().tolist() if not root.imag)
+    return float(min((root.real for root in roots), key=lambda k: abs(k - 0.5 * (low + high))))
 
 
 def joint_cumulant(model: Model, lag: Doubles, i: int, j: int) -> Doubles:
