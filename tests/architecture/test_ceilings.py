@@ -6,6 +6,7 @@ hand says in CHANGELOG.md what a user gets for it. `final` is where each room is
 
 import ast
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,7 @@ def room_of(file: Path) -> str:
     return parts[0] if len(parts) > 1 else "root"
 
 
+@cache
 def measured() -> dict[str, dict[str, int]]:
     """Return what each room holds now."""
     rooms: dict[str, list[Path]] = {}

@@ -22,7 +22,7 @@ from tests.models import contents, model, recorded
 
 # Two engines, one result: with processes or without, every column has the same bits.
 MANY = settings(max_examples=50, suppress_health_check=[HealthCheck.too_slow])
-FEW = settings(MANY, max_examples=5)
+FEW = settings(MANY, max_examples=3)
 
 DIAMETERS = st.one_of(
     st.just({"law": "fixed"}),

@@ -23,6 +23,7 @@ COUNT, RATIO, SPEED = "interface.mean_junction_count", "slider.damping_ratio", "
 FORCE = "friction_force_std"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", sorted((ROOT / "scenarios").rglob("*.toml")), ids=lambda path: path.stem)
 def test_theory_has_an_answer_for_it(path: Path) -> None:
     swept = "\n[sweep" in path.read_text(encoding="utf-8")

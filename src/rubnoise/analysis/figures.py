@@ -93,7 +93,7 @@ def _force_errors(span: Span) -> dict[str, float]:
     """Return the errors of mean and, for Poisson births, spread: Cov = E[psi^4] kappa_22 + 2 (E[psi^2] kappa_11)^2."""
     record = span.model
     if record.separation is not None:
-        found = _load_errors(span)
+        found = _errors(_load_errors, span)
         return {"mean": found["force_mean"], "std": found["force_std"]}
     if not are_at_random(record):
         return {"mean": mean_force_error(record)}
