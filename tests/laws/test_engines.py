@@ -1,5 +1,6 @@
 """Two engines, a fold over blocks and one compilation: the same bits."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -8,16 +9,20 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from simpy import Environment
 
 import rubnoise
 from rubnoise.contact.pulses import LENS, OFF_CENTRE, PULSES
 from rubnoise.errors import Refused
+from rubnoise.record.rows import JunctionState
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build
-from rubnoise.simulation import draws
+from rubnoise.simulation import draws, ticks
 from rubnoise.simulation.extent import Engine
+from rubnoise.simulation.intervention import LiveJunctions
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.state import LiveRows
+from rubnoise.simulation.ticks import cells_per_tick
 from tests.models import contents, model, recorded
 
 # Two engines, one result: with processes or without, every column has the same bits.
@@ -125,6 +130,27 @@ def test_lives_go_on_into_the_next_block(monkeypatch: pytest.MonkeyPatch, engine
     ages = trace["distance"][:, None] - lives["birth_distance"]
     assert trace["real_contact_area"] == pytest.approx(LENS.area(ages, lives["diameter"]).sum(axis=1), rel=1e-12)
     assert np.array_equal(trace["junction_count"], ((ages >= 0.0) & (ages < lives["life_distance"])).sum(axis=1))
+
+
+def test_an_end_in_the_last_cell_of_a_life_is_not_known_a_range_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The cells of a natural death are summed in another way than those of an early one, so bits would tell."""
+    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 1)
+    run = model(distance=25.0, tick=0.05)
+    assert cells_per_tick(run) == 1
+
+    def late(env: Environment, live: LiveJunctions) -> Iterator[Any]:
+        while True:
+            yield env.timeout(0.004)
+            for each in live:
+                if each.birth_distance + 2.0 * each.diameter - env.now < 0.01:
+                    live.end(each.number)
+
+    played = recorded(run, 9, intervene=late)
+    rows = played["junctions"]
+    early = (rows["state"] & JunctionState.ENDED_EARLY) > 0
+    assert early.sum() > 20
+    departure = np.where(early, rows["death_distance"], np.inf)
+    assert contents(recorded(run, 9, engine="batch", ended=lambda numbers: departure[numbers])) == contents(played)
 
 
 def test_an_intervention_needs_events() -> None:

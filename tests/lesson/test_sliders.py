@@ -175,7 +175,7 @@ def test_behind_the_start_the_contact_is_what_it_is_elsewhere(births: str, place
 
 
 # The slider that hops: beside Verlet over the same summits, and beside the simulator's statistics.
-LARGEST_ERROR = 3e-4  # of the height scale, over a few impacts
+LARGEST_FLIGHT_ERROR = 3e-4  # of the height scale, over a few impacts
 LOSS = 0.3
 SETTLED = 20.0
 TICK_TIME = 0.01  # of 1/omega_c
@@ -232,12 +232,12 @@ def test_over_the_same_summits_it_goes_as_verlet_does(live: float, speed: float)
     given = {"place": place.tolist(), "height": height.tolist(), "duration": 0.98 * duration, "speed": speed}
     at, found = np.array(answer(ALONG, world=light(meanCount=live), **given))
     assert np.ptp(found) > 0.5
-    assert np.abs(found - np.interp(at / speed, times, z)).max() < LARGEST_ERROR
+    assert np.abs(found - np.interp(at / speed, times, z)).max() < LARGEST_FLIGHT_ERROR
     # A summit less, among those that are touched, leads elsewhere.
     touched = int(np.argmax(np.where(np.abs(place - 0.5 * speed * duration) < 1.0, height, -np.inf)))
     given |= {"place": np.delete(place, touched).tolist(), "height": np.delete(height, touched).tolist()}
     at, other = np.array(answer(ALONG, world=light(meanCount=live), **given))
-    assert np.abs(other - np.interp(at / speed, times, z)).max() > 100.0 * LARGEST_ERROR
+    assert np.abs(other - np.interp(at / speed, times, z)).max() > 100.0 * LARGEST_FLIGHT_ERROR
 
 
 @pytest.mark.parametrize("speed", [0.4, 0.8])

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from rubnoise.api.surface import Surface
-from rubnoise.cli.layout import json_text
 from rubnoise.cli.surface import answer_of
 from tests.architecture.sources import ROOT
 from tests.shell.terminal import CONTACT, WITH_SLIDER, call
@@ -154,7 +153,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
 
 
 def _printed(answer: Any) -> Any:
-    return json.loads(json_text(answer), parse_constant=_refuse)
+    return json.loads(json.dumps(answer, allow_nan=False), parse_constant=_refuse)
 
 
 def test_no_number_of_an_answer_is_infinite_or_none_in_json() -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from rubnoise.answer import Answer, Table, rows
-from rubnoise.cli.layout import json_text, sentence, show
+from rubnoise.cli.layout import sentence, show
 from rubnoise.cli.options import AsJson, Changes, argument, option
 from rubnoise.errors import OutputRefused, RubnoiseError
 
@@ -46,7 +46,7 @@ def check(
         if not as_json:
             show(answer, as_json=False)
     if as_json:
-        print(json_text(answers))
+        print(json.dumps(answers, allow_nan=False))
     if answers["refused"]:
         raise typer.Exit(2)
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from math import isfinite
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
-from rubnoise.answer import Answer, finite, length
+from rubnoise.answer import Answer, length
 from rubnoise.answer import sentence as broken
 
 WIDTH = 80
@@ -54,14 +54,12 @@ def too_short_for_motion(decays: float, needed: float) -> str:
     )
 
 
-def json_text(answer: Any, *, indent: int | None = None) -> str:
-    """Return an answer as JSON: arrays as lists, and null for numbers that are not finite."""
-    return json.dumps(finite(answer), allow_nan=False, indent=indent)
-
-
 def show(answer: Answer, *, as_json: bool, as_csv: bool = False) -> None:
     """Print an answer as one JSON object, as CSV, or as text as wide as the terminal."""
-    print(json_text(answer.to_json()) if as_json else answer.to_csv() if as_csv else as_wide_text(answer))
+    if as_json:
+        print(json.dumps(answer.to_json(), allow_nan=False))
+    else:
+        print(answer.to_csv() if as_csv else as_wide_text(answer))
 
 
 def as_wide_text(answer: Answer) -> str:
