@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 import numpy as np
 import pytest
 
+from rubnoise.answer import Answer, Table
 from rubnoise.api.surface import Surface
 from rubnoise.cli.surface import answer_of
 from tests.architecture.sources import ROOT
@@ -157,7 +158,8 @@ def _printed(answer: Any) -> Any:
 
 
 def test_no_number_of_an_answer_is_infinite_or_none_in_json() -> None:
-    assert _printed({"curve": np.array([1.0, inf])}) == {"curve": [1.0, None]}
+    answer = Answer(tables=(Table(name="curve", columns={"area": np.array([1.0, inf])}),))
+    assert _printed(answer.to_json())["curve"]["area"] == [1.0, None]
 
 
 @pytest.mark.slow
