@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.distributions import Fixed, Normal, Weibull
+from rubnoise.contact.distributions import Fixed, Gamma, Law, Lognormal, Normal, Weibull
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.moments import area_cumulants, force_cumulants, zero_share
 from rubnoise.theory.second_order import autocovariance, count_noise
+from rubnoise.theory.sizes import COARSE, FINE, sizes_of
 from tests.laws.scores import seed_of
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
 
@@ -89,6 +90,14 @@ def test_covariance_of_sizes_that_end_sharply_above(percent: float, lag: float) 
 
     found = float(autocovariance(model, lag) / autocovariance(model, 0.0))
     assert found == pytest.approx(covariance(lag) / covariance(0.0), rel=0.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("law", [Lognormal(mean=1.0, std=4.0), Gamma(mean=1.0, std=1.3), Weibull(mean=1.0, std=0.04)])
+@pytest.mark.parametrize(("fineness", "error"), [(FINE, 1e-12), (COARSE, 2e-4)])
+def test_sizes_have_all_their_moments(law: Law, fineness: float, error: float) -> None:
+    sizes = sizes_of(law, fineness)
+    for power in (1, 2, 4, 6, 8):
+        assert sizes.probability @ sizes.diameter**power == pytest.approx(law.moment(power), rel=error)
 
 
 @pytest.mark.parametrize("distance", [3.0, 11.06, 200.0, 40_000.0])

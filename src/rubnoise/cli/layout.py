@@ -1,4 +1,4 @@
-"""Print an answer as wide as the terminal; and what commands without one print: lines of a label and a value, JSON."""
+"""Print an answer as wide as the terminal; and what commands without one print: lines of a label and a value."""
 
 import json
 import os

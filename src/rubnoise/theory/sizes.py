@@ -21,9 +21,8 @@ _HARD = 6.0  # times as many for a law whose density jumps: its swings do not fa
 _PANEL = 16
 _PHASE = 110.0  # k times the width of a law to which FINE diameters follow the swing of a spectrum
 _NARROWEST = 1e-6  # spread over diameter of a law that counts as one size
-_LEFT_OUT, _UNSEEN, _SMALL = 1e-17, 1e-13, 1e-6
-# Panels of a factor e of size, widest one in standard deviations, fewest panels; those of tables, and about a turn.
-_CUT_PANELS, _SPREADS, _FEWEST, _TABLE, _TURNS = 4.0, 1.8, 8, 150, 50
+_LEFT_OUT, _UNSEEN, _SMALL = 1e-17, 1e-13, 1e-6  # shares that ranges, sums, and errors of errors leave out
+_CUT_PANELS, _SPREADS, _FEWEST, _TABLE, _TURNS = 4.0, 1.8, 8, 150, 50  # panels: see `_gauss`, `_table_over_sizes`
 _AT_ONCE, _PHASES_AT_ONCE = 1 << 12, 1 << 17  # more places than a table has
 _rule = cache(np.polynomial.legendre.leggauss)
 
@@ -85,15 +84,16 @@ def sizes_of(law: Law, per_factor: float = FINE) -> SizeRule:
         jumps = (outside == 0.0) & (inside > 0.0) & (np.array(leaf.support) > 0.0)
         finer = _HARD if low < high and jumps.any() else 1.0
         diameter, probability = _gauss(leaf, finer * per_factor / _PANEL, per_factor / FINE)
-        shares = (probability * diameter**n for n in (1, 12))
-        seen = np.any([share > (_UNSEEN if per_factor == FINE else _SMALL) * share.max() for share in shares], axis=0)
+        shares, small = (probability * diameter**n for n in (1, 12)), _UNSEEN if per_factor == FINE else _SMALL
+        seen = np.flatnonzero(np.any([share > small * share.max() for share in shares], axis=0))
+        kept = slice(seen[0], seen[-1] + 1)  # between low and high powers of a wide law all others count
         followed = inf if low == high else _PHASE * finer / (high - low)
-        rules.append((diameter[seen], weight * probability[seen], np.full(seen.sum(), followed)))
+        rules.append((diameter[kept], weight * probability[kept], np.full(diameter[kept].size, followed)))
     return SizeRule(*(np.concatenate(each) for each in zip(*rules, strict=True)))
 
 
 def _gauss(leaf: Law, panels_of_factor: float, fine: float, cuts: Doubles | None = None) -> tuple[Doubles, Doubles]:
-    """Return diameters and probabilities on panels in log d, scaled to give E[d] exactly, as narrow laws need."""
+    """Return diameters and probabilities on panels in log d, at most 1.8 standard deviations wide, with E[d] exact."""
     (low, high), shape = size_range(leaf), () if cuts is None else cuts.shape[:-1]
     if low == high:
         return np.full((*shape, 1), low), np.ones((*shape, 1))
