@@ -12,8 +12,7 @@ import pytest
 import rubnoise
 from rubnoise.analysis.replicates import pooled
 from rubnoise.figures.stretch import MOST_POINTS, Stretch
-from rubnoise.figures.study import Spot, Study, StudyLine, exact_of, study_of_points
-from rubnoise.figures.study_picture import study_picture
+from rubnoise.figures.study import Spot, Study, StudyLine, exact_of, study_of_points, study_picture
 from rubnoise.figures.tracks import Track
 from rubnoise.scenario import Scenario, build
 from rubnoise.storage.reader import RunFile, open_run

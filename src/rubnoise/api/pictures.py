@@ -159,16 +159,16 @@ def appearance(
 
 def drawn_fit(found: InferenceResult) -> "Figure":
     """Draw what an inference found and return its figure (see rubnoise.Inference.plot)."""
-    from rubnoise.figures.inference import figure
+    from rubnoise.figures.fits import fit_figure
 
-    return figure(found)
+    return fit_figure(found)
 
 
 def page_of_fit(found: InferenceResult, name: str, text: str) -> str:
     """Return the page of an inference (see rubnoise.Inference.report)."""
-    from rubnoise.figures.inference import page
+    from rubnoise.figures.fits import fit_page
 
-    return page(found, name, text)
+    return fit_page(found, name, text)
 
 
 def drawn_columns(

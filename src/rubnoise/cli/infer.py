@@ -88,9 +88,9 @@ def command(
     if output is not None and found.refused_because is None:
         texts[output] = found.to_toml()
     if report is not None and found.refused_because is None:
-        from rubnoise.figures.inference import page
+        from rubnoise.figures.fits import fit_page
 
-        texts[report] = page(found, trace, answer.to_text())
+        texts[report] = fit_page(found, trace, answer.to_text())
     write_texts(texts, force=force)
     show(answer, as_json=as_json)
     if found.refused_because is not None:

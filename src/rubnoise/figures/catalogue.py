@@ -23,8 +23,7 @@ from rubnoise.figures.contact import draw_contact
 from rubnoise.figures.narrow import fit_labels
 from rubnoise.figures.slider_pictures import draw_landmarks, draw_load, draw_motion, draw_overview, draw_phase
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.study import study_of_sweep
-from rubnoise.figures.study_picture import draw_study
+from rubnoise.figures.study import draw_study, study_of_sweep
 from rubnoise.figures.style import (
     INK,
     Format,

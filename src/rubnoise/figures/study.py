@@ -1,12 +1,12 @@
-"""A study: one quantity of a sweep against a swept key, in lines of points with the exact curve of each."""
+"""A study and its picture: a quantity of a sweep against a key, in lines of points with the exact curve of each."""
 
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
+from itertools import cycle
 from math import isfinite, nan
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -16,8 +16,25 @@ from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figure_names import FIGURE_NAMES
+from rubnoise.figures.style import (
+    SERIES,
+    VERMILION,
+    Format,
+    as_bytes,
+    house_style,
+    logarithmic,
+    new_figure,
+    one_line,
+    put_title,
+    shortened,
+    with_minus,
+)
 from rubnoise.scenario import Scenario, build
 from rubnoise.units import NUMBER, Quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 CURVE: Final = 31
 """Points of an exact curve, from the lowest value of a key to the highest, besides those of the sweep."""
@@ -43,9 +60,6 @@ class Spot:
     place: float = nan
 
 
-Curve = Callable[[Sequence[Spot]], tuple[Doubles, Doubles]]
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StudyLine:
     """The points of a line, and the exact curve through them; without one, only their exact values."""
@@ -53,6 +67,11 @@ class StudyLine:
     label: str
     spots: tuple[Spot, ...]
     curve: tuple[Doubles, Doubles] | None
+
+    @property
+    def has_exact(self) -> bool:
+        """Whether theory knows the quantity anywhere on the line: of a two-way slider's motion it knows nothing."""
+        return any(isfinite(spot.exact) for spot in self.spots)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +101,11 @@ class Study:
             return True
         ratios, steps = np.diff(np.log(places)), np.diff(places)
         return bool(np.ptp(ratios) <= _EVEN * ratios.mean() and np.ptp(steps) > _EVEN * steps.mean())
+
+    def dashes(self, line: StudyLine) -> Any:
+        """Return how the curve of a line is dashed: of a two-way motion it is the law of weak coupling, not exact."""
+        moving = self.quantity.startswith(("displacement", "velocity"))
+        return (0, (4, 2)) if moving and line.spots[0].scenario.model().is_two_way else "-"
 
 
 def exact_curve(spots: Sequence[Spot], key: str, quantity: str) -> tuple[Doubles, Doubles]:
@@ -140,8 +164,7 @@ def study_of_points(
     along = [each for each in together if each != key] if key in together else []
     # Of keys side by side one is enough to distinguish lines.
     others = tuple(each for each in varied if each != key and each not in (along or together[1:]))
-    curve = partial(exact_curve, key=key, quantity=quantity) if numeric and not along else None
-    lines = _lines(points, key, others, curve, numeric=bool(numeric))
+    lines = _lines(points, key, others, quantity if numeric and not along else None, numeric=bool(numeric))
     if not any(isfinite(spot.seen.value) for line in lines for spot in line.spots):
         raise Refused(f"{quantity}: no run has it")
     unit, scale = _written_unit(points, key, units[key]) if numeric else (units[key], 1.0)
@@ -170,9 +193,12 @@ def _written_unit(points: Sequence[Spot], key: str, unit: str) -> tuple[str, flo
 
 
 def _lines(
-    points: Sequence[Spot], key: str, others: tuple[str, ...], curve: Curve | None, *, numeric: bool
+    points: Sequence[Spot], key: str, others: tuple[str, ...], curve: str | None, *, numeric: bool
 ) -> tuple[StudyLine, ...]:
-    """Return the lines in the order of the file; places are numbers of the key, or 0, 1, 2, ... of its words."""
+    """Return the lines in the order of the file; places are numbers of the key, or 0, 1, 2, ... of its words.
+
+    curve: the quantity whose exact curve goes through the points of a line, if there is one.
+    """
     words = {text: float(n) for n, text in enumerate(dict.fromkeys(str(point.values[key]) for point in points))}
     spots: dict[str, list[Spot]] = {}
     for point in points:
@@ -182,8 +208,8 @@ def _lines(
     lines = []
     for label, found in spots.items():
         inorder = tuple(sorted(found, key=lambda spot: spot.place))
-        through = curve if len(inorder) > 1 else None  # no curve goes through a single point
-        lines.append(StudyLine(label=label, spots=inorder, curve=through and through(inorder)))
+        through = exact_curve(inorder, key, curve) if curve and len(inorder) > 1 else None  # one point has no curve
+        lines.append(StudyLine(label=label, spots=inorder, curve=through))
     return tuple(lines)
 
 
@@ -236,3 +262,134 @@ def _points(sweep: SweepResult, quantity: str) -> list[Spot]:
 def shown_unit(unit: str) -> str:
     """Return a unit in printed form."""
     return unit.replace("um", "µm").replace("uN", "µN").replace("^2", "²").replace("*", " ")
+
+
+# The picture.
+
+LOOK: Final[dict[str, Any]] = {"ms": 4.5, "lw": 0.0, "elinewidth": 1.0, "capsize": 2.0, "zorder": 3}
+MOST_LABELS: Final = 10
+CLOSE: Final = 0.1
+"""Least distance of two labelled values over the length of the axis."""
+
+APART: Final = 0.06
+"""How far lines are drawn apart if the key has words for values, which lie 1 apart."""
+
+LONGEST_LABEL: Final = 24
+TALL: Final = 10.0
+"""Ratio of the highest to the lowest value from which a quantity over a logarithmic axis has one too."""
+
+
+def study_picture(study: Study, kind: Format) -> bytes:
+    """Return the picture of a study as the bytes of a file, the same for the same study."""
+    with house_style():
+        return as_bytes(draw_study(study), kind)
+
+
+def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figure":
+    """Draw the points of every line with their 95 % intervals, and the exact curves. Within ``house_style()``."""
+    figure = new_figure(*(inches or (6.4 if len(study.lines) > 1 else 5.4, 4.0)))
+    axes = figure.subplots()
+    for number, (line, (colour, marker)) in enumerate(zip(study.lines, cycle(SERIES), strict=False)):
+        shift = 0.0 if study.numeric else APART * (number - 0.5 * (len(study.lines) - 1))
+        look = {"color": colour, "fmt": marker, **LOOK}
+        if number < MOST_LABELS and line.label:
+            look["label"] = one_line(line.label)
+        places = shift + study.scale * np.array([spot.place for spot in line.spots])
+        _draw_points(axes, places, line, look)
+        if line.has_exact:
+            _draw_exact(axes, places, line, study, shift)
+    _label(axes, study)
+    _legend(axes, study)
+    shown = f"{FIGURE_NAMES[study.quantity].words} over {key_words(study.key)}".replace("\n", " ")
+    name = shortened(study.title)
+    put_title(figure, shown[0].upper() + shown[1:], f"sweep {name}" if name else "")
+    return figure
+
+
+def _draw_points(axes: "Axes", places: Doubles, line: StudyLine, look: dict[str, Any]) -> None:
+    """Draw points; a point without a known interval is hollow."""
+    values, reach = np.array([(spot.seen.value, spot.seen.reach) for spot in line.spots]).T
+    known, complete = np.isfinite(values), np.isfinite(values) & np.isfinite(reach)
+    if known.any():
+        axes.errorbar(places[complete], values[complete], reach[complete], **look)
+        hollow = {"marker": look["fmt"], "mfc": "none", "mec": look["color"], "ls": "none", "ms": look["ms"]}
+        axes.plot(places[known & ~complete], values[known & ~complete], **hollow)
+
+
+def _draw_exact(axes: "Axes", places: Doubles, line: StudyLine, study: Study, shift: float) -> None:
+    """Draw the exact curve, or, if between points there is nothing, a dash at each of them."""
+    if line.curve is None:
+        look: dict[str, Any] = {"marker": "_", "ms": 14.0, "mew": 1.4, "ls": "none"}
+        axes.plot(places, [spot.exact for spot in line.spots], color=VERMILION, zorder=2, **look)
+    else:
+        across, exact = line.curve
+        axes.plot(study.scale * across + shift, exact, color=VERMILION, lw=1.2, zorder=2, ls=study.dashes(line))
+
+
+def _label(axes: "Axes", study: Study) -> None:
+    axes.set_xlabel(key_label(study.key, study.unit))
+    axes.set_ylabel(quantity_label(study.quantity))
+    values = np.array([value for line in study.lines for spot in line.spots for value in (spot.seen.value, spot.exact)])
+    if study.numeric:
+        _scale(axes, study, values)
+    else:
+        labels = {spot.place: str(spot.values[study.key]) for line in study.lines for spot in line.spots}
+        axes.set_xticks(list(labels), [shortened(text, LONGEST_LABEL) for text in labels.values()])
+        axes.margins(x=0.15)
+    if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
+        axes.set_ylim(bottom=0.0)
+
+
+def _scale(axes: "Axes", study: Study, values: Doubles) -> None:
+    """Make axes logarithmic if the points lie so, and then that of a quantity which falls by more than ten.
+
+    The axis of the key labels the values that are swept, if they are few and apart.
+    """
+    if study.logarithmic:
+        logarithmic(axes.xaxis)
+        if np.nanmin(values) > 0.0 and np.nanmax(values) > TALL * np.nanmin(values):
+            logarithmic(axes.yaxis)
+    places = study.scale * np.unique([spot.place for line in study.lines for spot in line.spots])
+    along = np.log(places) if study.logarithmic else places
+    if places.size > 1 and np.diff(along).min() > CLOSE * np.ptp(along):
+        axes.set_xticks(places, [with_minus(f"{place:.4g}") for place in places])
+        axes.set_xticks([], minor=True)
+
+
+def _legend(axes: "Axes", study: Study) -> None:
+    """Distinguish lines by the values of the other keys; below them stands the exact curve."""
+    points: Any = axes.errorbar([], [], [], **LOOK, color=SERIES[0][0], fmt=SERIES[0][1])
+    handles, labels = axes.get_legend_handles_labels()
+    title = None
+    if study.others:
+        title = f"simulated, 95 % interval,\n{one_line(', '.join(map(key_words, study.others)))}:"
+    else:
+        handles, labels = [points], ["simulated, 95 % interval"]
+    known = {study.dashes(line) for line in study.lines if line.has_exact}
+    for dashes in sorted(known, key=str, reverse=True):
+        handles += axes.plot([], [], color=VERMILION, lw=1.2, ls=dashes)
+        labels.append("exact" if dashes == "-" else "law of weak coupling")
+    axes.legend(handles, labels, loc="best", title=title, alignment="left")
+
+
+def quantity_label(name: str) -> str:
+    """Return the label of a figure's axis."""
+    known = FIGURE_NAMES[name]
+    return f"{known.words} ({shown_unit(known.unit)})" if known.unit else known.words
+
+
+def quantity_words(name: str) -> str:
+    """Return a figure in words, on one line."""
+    return FIGURE_NAMES[name].words.replace("\n", " ")
+
+
+def key_label(key: str, unit: str) -> str:
+    """Return the label of a swept key's axis: its name in words, and the unit that its column has."""
+    return f"{key_words(key)} ({shown_unit(unit)})" if unit not in {"", "1"} else key_words(key)
+
+
+def key_words(key: str) -> str:
+    """Return a key in words, with its table if the name needs it."""
+    table, _, name = key.rpartition(".")
+    words = name.replace("_", " ")
+    return f"{table} {words}" if name in {"law", "spread", "mean", "start", "shape", "speed"} else words

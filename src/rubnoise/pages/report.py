@@ -18,11 +18,10 @@ from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
 from rubnoise.figures.catalogue import picture
+from rubnoise.figures.fits import contact_picture
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.study import quantities_of, study_of_sweep
-from rubnoise.figures.study_picture import key_label, quantity_words, study_picture
+from rubnoise.figures.study import key_label, quantities_of, quantity_words, study_of_sweep, study_picture
 from rubnoise.figures.style import PicturesMissing
-from rubnoise.figures.surface import contact_picture
 from rubnoise.model import Model
 from rubnoise.pages.page import written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
