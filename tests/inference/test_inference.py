@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, PARABOLA
-from rubnoise.inference.assumed import Assumed
+from rubnoise.inference.estimates import Assumed
 from rubnoise.inference.fitting import FitPoint, FitProblem, whittle
 from rubnoise.inference.inference import InferenceResult, infer_signal
+from rubnoise.inference.passes import Sensor
 from rubnoise.inference.periodogram import Expectation, banded, tukey
 from rubnoise.inference.populations import POPULATIONS, energy_table
-from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
 from rubnoise.scenario.scenario import RAYLEIGH
 from rubnoise.theory.sampling import expected_periodogram

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS
-from rubnoise.inference.assumed import NOTHING, Assumed
+from rubnoise.inference.estimates import NOTHING, Assumed
 from rubnoise.inference.honesty import drift_test
 from rubnoise.inference.inference import InferenceResult, infer_signal
-from rubnoise.inference.passes import energies, first_integrals, life_integrals, offsets
-from rubnoise.inference.sensor import Sensor
-from rubnoise.inference.signal import Signal
-from rubnoise.inference.strokes import joined, reversals
+from rubnoise.inference.passes import Sensor, energies, first_integrals, life_integrals, offsets
+from rubnoise.inference.signal import Signal, joined, reversals
 from tools.studies import right_traces
 from tools.studies.right_traces import Contact, trace, without_junctions
 

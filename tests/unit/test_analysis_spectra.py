@@ -93,7 +93,8 @@ PIECES = (1, 7, 131)
 @pytest.mark.parametrize("pieces", PIECES)
 @pytest.mark.parametrize("reach", [1, 300, 3000])
 def test_covariances_are_those_of_lagged_products(pieces: int, reach: int) -> None:
-    found, away, count = CovarianceSum(reach, 199.0), OFFSET_VALUES - OFFSET_VALUES.mean(), OFFSET_VALUES.size
+    found, away = CovarianceSum(np.arange(reach + 1), 199.0), OFFSET_VALUES - OFFSET_VALUES.mean()
+    count = OFFSET_VALUES.size
     slow = [float(away[: count - lag] @ away[lag:]) / (count - lag) for lag in range(reach + 1)]
     for piece in np.array_split(OFFSET_VALUES, pieces):
         found.add(piece)
@@ -101,7 +102,7 @@ def test_covariances_are_those_of_lagged_products(pieces: int, reach: int) -> No
 
 
 def test_covariances_are_those_of_the_whole_record_over_their_pairs() -> None:
-    found = CovarianceSum(500, 200.0)
+    found = CovarianceSum(np.arange(501), 200.0)
     found.add(OFFSET_VALUES)
     pairs = (OFFSET_VALUES.size - np.arange(501)) / OFFSET_VALUES.size
     assert found.covariances() * pairs == pytest.approx(

@@ -5,7 +5,7 @@ Each function takes what was measured and yields figures, relations that must ho
 
 from collections.abc import Callable, Iterator
 from math import sqrt
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from rubnoise.analysis.records import longer
 from rubnoise.answer import Row, left_out
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
-from rubnoise.contact.distributions import Fixed, has_single_values
+from rubnoise.contact.distributions import Fixed, Law, has_single_values
 from rubnoise.contact.pulses import half_life
 from rubnoise.model import Model
 from rubnoise.theory.second_order import need_random_births
@@ -181,7 +181,7 @@ def _alike(seen: MeasuredRun, name: str, value: float, units: str) -> Row:
     return identity(name, seen.births.deviations[name], ROUNDING * value, units)
 
 
-def _drawn(seen: MeasuredRun, name: str, law: Any) -> Iterator[Row]:
+def _drawn(seen: MeasuredRun, name: str, law: Law) -> Iterator[Row]:
     """Yield mean and std of independent values: errors std/sqrt(n), and sqrt((mu_4 - mu_2^2)/n) over 2 std."""
     found = seen.births.moments[name]
     mean, length = law.moment(1), found.count * seen.model.mean_birth_spacing

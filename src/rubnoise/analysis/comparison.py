@@ -80,13 +80,11 @@ def memory(seen: MeasuredRun) -> Iterator[Row]:
 
     It is taken about the mean of the record, which makes it smaller by the variance of that mean.
     """
-    model, stretch, length = _stretch(seen)
-    need_random_births(model, "the error of an autocovariance")
-    _need_fine_ticks(model)
+    model, stretch, length = _stretch(seen, "the error of an autocovariance")
     step = seen.layout.stride * model.tick
     lags = step * np.array(seen.layout.lags, dtype=np.float64)
     exact = autocovariance(model, lags) - area_noise(stretch).variance_of_mean()
-    errors, found = covariance_errors(model, lags, length, step), seen.products.covariances()[list(seen.layout.lags)]
+    errors, found = covariance_errors(model, lags, length, step), seen.products.covariances()
     scale, tail = float(autocovariance(model, np.zeros(1))[0]), tail_of(model, length, 5)
     for lag, *values in zip(lags.tolist(), found.tolist(), exact.tolist(), errors.tolist(), strict=True):
         yield judged(f"real_contact_area_autocovariance_{lag:.3g}", *values, length=length, scale=scale, tail=tail)
@@ -97,9 +95,7 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
 
     Raises Refused unless births are random.
     """
-    model, _, length = _stretch(seen)
-    need_random_births(model, "the error of a spectrum")
-    _need_fine_ticks(model)
+    model, _, length = _stretch(seen, "the error of a spectrum")
     found, layout = seen.spectrum.spectrum(), seen.layout
     if found.segments < FEWEST_SEGMENTS:
         ticks = found.ticks + (FEWEST_SEGMENTS - 1) * half_of(found.ticks)
@@ -122,15 +118,17 @@ def _band_tail(model: Model, band: Band, of_sizes: Tail, length: float) -> Tail:
     return Tail(skewness=max(of_sizes.skewness, band.skewness), needed=needed)
 
 
-def _need_fine_ticks(model: Model) -> None:
-    if model.mean_life_distance < FEWEST_TICKS_A_LIFE * model.tick:
-        raise Refused(f"ticks are too wide for it; it needs {FEWEST_TICKS_A_LIFE} to a mean life")
+def _stretch(seen: MeasuredRun, fine: str = "") -> tuple[Model, Model, float]:
+    """Return the model, that of the stationary part of the trace, and the length of this in um.
 
-
-def _stretch(seen: MeasuredRun) -> tuple[Model, Model, float]:
-    """Return the model, that of the stationary part of the trace, and the length of this in um."""
-    ticks = seen.ticks()
-    return seen.model, over_ticks(seen.model, ticks, seen.model.tick), ticks * seen.model.tick
+    Raises Refused where births and ticks do not suit an error that is for ``fine`` ticks.
+    """
+    model, ticks = seen.model, seen.ticks()
+    if fine:
+        need_random_births(model, fine)
+        if model.mean_life_distance < FEWEST_TICKS_A_LIFE * model.tick:
+            raise Refused(f"ticks are too wide for it; it needs {FEWEST_TICKS_A_LIFE} to a mean life")
+    return model, over_ticks(model, ticks, model.tick), ticks * model.tick
 
 
 def law_of_area(seen: MeasuredRun) -> Iterator[Row]:

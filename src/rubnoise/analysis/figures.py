@@ -164,33 +164,22 @@ PLACE, SPEED = ("slider", "displacement"), ("slider", "velocity")
 GAP, RISE, BORNE, RUBBED = (("load", name) for name in ("separation", "velocity", "load", "friction_force"))
 
 
-def _area(moment: str, power: int, scale: float | None = None) -> Figure:
+Known = Callable[[Model], Any]
+"""Returns what theory knows of a column; None if the model has no such column."""
+
+
+def _figure(name: str, column: tuple[str, str], law: tuple[Known, str], errors: Errors, **more: Any) -> Figure:
+    """Return the figure of which an attribute of a law is the exact value; its moment and error are of that name."""
+
     def exact(model: Model) -> float:
-        return float(getattr(area_cumulants(model), moment))
+        known = law[0](model)
+        return nan if known is None else float(getattr(known, law[1]))
 
-    return Figure(f"real_contact_area_{moment}", AREA, moment, exact, _area_errors, moment, (power, 0), scale)
-
-
-def _force(name: str, column: tuple[str, str], moment: str, powers: tuple[int, int] | None, **more: Any) -> Figure:
-    def exact(model: Model) -> float:
-        return nan if model.strengths is None else float(getattr(force_cumulants(model), moment))
-
-    return Figure(name, column, moment, exact, _force_errors, moment, powers, **more)
+    return Figure(name=name, column=column, exact=exact, errors=errors, **{"moment": law[1], "error": law[1]} | more)
 
 
-def _moved(name: str, column: tuple[str, str], of: str, powers: tuple[int, int] | None, **more: Any) -> Figure:
-    def exact(model: Model) -> float:
-        return float(getattr(motion_of(model), of))
-
-    moment = "mean" if of.startswith("mean") else "std"
-    return Figure(name, column, moment, exact, _motion_errors, of, powers, **more)
-
-
-def _borne(name: str, column: tuple[str, str], of: str) -> Figure:
-    def exact(model: Model) -> float:
-        return float(getattr(load_motion(model), of))
-
-    return Figure(name, column, "std", exact, _load_errors, of, (6, 0))
+def _force(model: Model) -> Any:
+    return None if model.strengths is None else force_cumulants(model)
 
 
 def _load(model: Model) -> float:
@@ -199,31 +188,46 @@ def _load(model: Model) -> float:
 
 FIGURES: Final[tuple[Figure, ...]] = (
     # A junction brings d^(2n + 1) to the n-th power of the area.
-    _area("mean", 3),
-    _area("std", 5),
-    _area("skewness", 7, scale=1.0),
-    _area("excess_kurtosis", 9, scale=1.0),
+    *(
+        _figure(f"real_contact_area_{of}", AREA, (area_cumulants, of), _area_errors, powers=(power, 0), scale=scale)
+        for of, power, scale in (("mean", 3, None), ("std", 5, None), ("skewness", 7, 1.0), ("excess_kurtosis", 9, 1.0))
+    ),
     Figure(
         "junction_count_mean", COUNT, "mean", lambda model: model.mean_live_junctions, _count_errors, "mean", (1, 0)
     ),
     Figure("junction_count_std", COUNT, "std", lambda model: sqrt(count_variance(model)), _count_errors),
     Figure("junction_count_variance", COUNT, "variance", count_variance, _count_errors, "variance", (1, 0), kept=False),
-    _force("friction_force_mean", FORCE, "mean", (3, 1)),
-    _force("friction_force_std", FORCE, "std", (5, 2)),
-    _force("friction_coefficient", FORCE, "mean", None, over=_load),
+    _figure("friction_force_mean", FORCE, (_force, "mean"), _force_errors, powers=(3, 1)),
+    _figure("friction_force_std", FORCE, (_force, "std"), _force_errors, powers=(5, 2)),
+    _figure("friction_coefficient", FORCE, (_force, "mean"), _force_errors, over=_load),
     # A junction pushes with psi d^3, and leaves the energy of as much motion.
-    _moved("displacement_mean", PLACE, "mean_displacement", (3, 1), whole=_moved_so_far),
-    _moved("displacement_std", PLACE, "displacement_std", (6, 2)),
-    _moved("velocity_std", SPEED, "velocity_std", (6, 2)),
+    _figure(
+        "displacement_mean",
+        PLACE,
+        (motion_of, "mean_displacement"),
+        _motion_errors,
+        moment="mean",
+        powers=(3, 1),
+        whole=_moved_so_far,
+    ),
+    _figure("displacement_std", PLACE, (motion_of, "displacement_std"), _motion_errors, moment="std", powers=(6, 2)),
+    _figure("velocity_std", SPEED, (motion_of, "velocity_std"), _motion_errors, moment="std", powers=(6, 2)),
     # One-way coupling takes the sliding speed for constant, so this should be far below 1.
-    _moved("one_way_validity", SPEED, "velocity_std", None, over=lambda model: response(model).sliding_speed),
+    _figure(
+        "one_way_validity",
+        SPEED,
+        (motion_of, "velocity_std"),
+        _motion_errors,
+        moment="std",
+        over=lambda model: response(model).sliding_speed,
+    ),
     Figure("separation_mean", GAP, "mean", lambda _: 0.0, _load_errors, "separation_mean", (3, 0), kept=False),
     Figure("load_mean", BORNE, "mean", _load, _load_errors, "load_mean", (3, 0)),
-    _force("friction_force_mean", RUBBED, "mean", (3, 0), kept=False),
-    _borne("separation_std", GAP, "separation_std"),
-    _borne("normal_velocity_std", RISE, "velocity_std"),
-    _borne("load_std", BORNE, "load_std"),
-    _force("friction_force_std", RUBBED, "std", (6, 0), kept=False),
+    _figure("friction_force_mean", RUBBED, (_force, "mean"), _force_errors, powers=(3, 0), kept=False),
+    _figure("separation_std", GAP, (load_motion, "separation_std"), _load_errors, moment="std", powers=(6, 0)),
+    _figure("normal_velocity_std", RISE, (load_motion, "velocity_std"), _load_errors, moment="std", powers=(6, 0)),
+    _figure("load_std", BORNE, (load_motion, "load_std"), _load_errors, moment="std", powers=(6, 0)),
+    _figure("friction_force_std", RUBBED, (_force, "std"), _force_errors, powers=(6, 0), kept=False),
 )
 """The moments of columns that a run has. Those of a two-way slider's whole time are in `_two_way_motion`."""
 

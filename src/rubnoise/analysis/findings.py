@@ -7,13 +7,14 @@ measured value is from the exact one, in standard errors.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, log1p, sqrt
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
 from rubnoise.analysis.records import longer
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles
+from rubnoise.contact.distributions import Law
 from rubnoise.figure_names import unit_of
 from rubnoise.model import Model
 from rubnoise.streams import LARGEST_UNIFORM
@@ -27,14 +28,6 @@ RARE: Final = 1e-5
 
 _VALUES = 400
 _LONGEST = 1e15  # times the births of the record
-
-
-class Drawn(Protocol):
-    """A law of which values are drawn."""
-
-    def quantile(self, probability: Doubles) -> Doubles:
-        """Return the values with these probabilities below them."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,18 +47,18 @@ def tail_of(model: Model, length: float, size_power: int, strength_power: int = 
     With n births the skewness is E[y^3] / (E[y^2]^1.5 sqrt(n)), the excess kurtosis E[y^4] / (E[y^2]^2 n), as for any
     compound Poisson sum. Source: Feller, An Introduction to Probability Theory and Its Applications II, section XII.2.
     """
-    laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]] = [(model.sizes, lambda d: np.power(d / d[0], size_power))]
+    laws: list[tuple[Law, Callable[[Doubles], Doubles]]] = [(model.sizes, lambda d: np.power(d / d[0], size_power))]
     if strength_power and model.strengths is not None:
         laws.append((model.strengths, lambda psi: np.power(psi / psi[0], strength_power)))
     return _tail(laws, model.birth_rate * length, length)
 
 
-def tail_of_squares(law: Drawn, mean: float, births: float, length: float) -> Tail:
+def tail_of_squares(law: Law, mean: float, births: float, length: float) -> Tail:
     """Return the tail of the sum of squared deviations from the mean, of ``births`` draws over ``length`` um."""
     return _tail([(law, lambda value: np.square(value / mean - 1.0))], births, length)
 
 
-def _tail(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float, length: float) -> Tail:
+def _tail(laws: list[tuple[Law, Callable[[Doubles], Doubles]]], births: float, length: float) -> Tail:
     skewness, kurtosis = _shape(laws, births)
     first = skewness
     factor = 1.0
@@ -77,7 +70,7 @@ def _tail(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float,
     return Tail(skewness=first, needed=factor * length if factor > 1.0 else 0.0)
 
 
-def _shape(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float) -> tuple[float, float]:
+def _shape(laws: list[tuple[Law, Callable[[Doubles], Doubles]]], births: float) -> tuple[float, float]:
     """Return skewness and excess kurtosis, from the part of each law that a record of these births probably shows."""
     survival = np.geomspace(1.0, min(RARE / max(births, 1.0), 0.1), _VALUES)
     shares = -np.diff(survival)

@@ -2,62 +2,13 @@
 
 from bisect import bisect_left
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import ContactKind, LandmarkKind
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Landmarks:
-    """Rows ``first`` to before ``last`` of /landmarks: those between two times in s."""
-
-    rows: Rows
-    first: int
-    last: int
-    begin: float
-    end: float
-    kind: NDArray[Any]
-    time: Doubles
-
-    @classmethod
-    def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
-        """Return the landmarks between two times in s; at most ``most``, up to the time of the next one."""
-        first, last = first_landmark(rows, begin), first_landmark(rows, end)
-        if most is not None and last - first > most:
-            last = first + most
-            end = float(rows.column("landmarks", "time", last, last + 1)[0])
-        kind, time = (rows.column("landmarks", name, first, last) for name in ("kind", "time"))
-        return cls(rows=rows, first=first, last=last, begin=begin, end=end, kind=kind, time=time)
-
-    def column(self, name: str) -> NDArray[Any]:
-        """Return another column of them."""
-        return self.rows.column("landmarks", name, self.first, self.last)
-
-    def lasting(self, begins: int, ends: int) -> tuple[Doubles, Doubles, Doubles]:
-        """Return the intervals in s that begin at one kind of landmark and last until the next landmark.
-
-        These are begin and end of each, cut off at the two times, and the durations of those that lie wholly between
-        them. ``ends``: if the first landmark is of this kind, an interval had begun before it.
-        """
-        at = np.flatnonzero(self.kind == begins)
-        whole = at[at + 1 < self.kind.size]
-        if self.kind.size:
-            before = self.kind[0] == ends
-        else:
-            last = self.first - 1
-            before = last >= 0 and self.rows.column("landmarks", "kind", last, self.first)[0] == begins
-        return (
-            np.concatenate([[self.begin] * bool(before), self.time[at]]),
-            np.concatenate(
-                [[self.time[0] if self.kind.size else self.end] * bool(before), np.append(self.time, self.end)[at + 1]]
-            ),
-            self.time[whole + 1] - self.time[whole],
-        )
 
 
 def first_landmark(rows: Rows, time: float) -> int:
@@ -65,6 +16,40 @@ def first_landmark(rows: Rows, time: float) -> int:
     return bisect_left(
         range(rows.rows("landmarks")), time, key=lambda row: float(rows.column("landmarks", "time", row, row + 1)[0])
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Lasting:
+    """Rows ``first`` to before ``last`` of /landmarks, and what lasts from one kind of them to the next landmark.
+
+    begin, end: of each in s, cut off at two times; times: the durations in s of those wholly between these.
+    """
+
+    first: int
+    last: int
+    begin: Doubles
+    end: Doubles
+    times: Doubles
+
+
+def _lasting(rows: Rows, begin: float, end: float, most: int | None, begins: int, ends: int) -> _Lasting:
+    """Return what lasts between two times in s; of more than ``most`` landmarks, up to the time of the next one.
+
+    ``begins`` and ``ends`` are kinds of landmarks. If the first one of a run ends something, it began with it.
+    """
+    first, last = first_landmark(rows, begin), first_landmark(rows, end)
+    if most is not None and last - first > most:
+        last = first + most
+        end = float(rows.column("landmarks", "time", last, last + 1)[0])
+    kind, time = (rows.column("landmarks", name, max(first - 1, 0), last) for name in ("kind", "time"))
+    if first == 0:
+        before = begins if kind.size and kind[0] == ends else -1
+        kind, time = np.append(before, kind), np.append(begin, time)
+    at = np.flatnonzero(kind == begins)
+    whole = at[(at > 0) & (at + 1 < kind.size)]
+    until = np.append(time, end)[at + 1]
+    durations = time[whole + 1] - time[whole] if whole.size else np.empty(0)
+    return _Lasting(first=first, last=last, begin=np.maximum(time[at], begin), end=until, times=durations)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,16 +70,11 @@ class Flights:
     @classmethod
     def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
         """Return the flights of a free run between two times in s, of ``most`` landmarks at most."""
-        found = Landmarks.of(rows, begin, end, most)
-        begins, ends, times = found.lasting(ContactKind.CONTACT_LOST, ContactKind.CONTACT_MADE)
-        made = found.kind == ContactKind.CONTACT_MADE
-        return cls(
-            begin=begins,
-            end=ends,
-            times=times,
-            impacts=found.time[made],
-            speeds=found.column("impact_speed")[made],
-        )
+        found = _lasting(rows, begin, end, most, ContactKind.CONTACT_LOST, ContactKind.CONTACT_MADE)
+        names = ("kind", "time", "impact_speed")
+        kind, time, speed = (rows.column("landmarks", name, found.first, found.last) for name in names)
+        made = kind == ContactKind.CONTACT_MADE
+        return cls(begin=found.begin, end=found.end, times=found.times, impacts=time[made], speeds=speed[made])
 
     def share(self, begin: float, end: float) -> float:
         """Return the share of the time from one to the other, in s, that the slider is off the surface."""
@@ -117,13 +97,12 @@ class StickSlip:
     @classmethod
     def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
         """Return the sticks and slips of a two-way run between two times in s, of ``most`` landmarks at most."""
-        found = Landmarks.of(rows, begin, end, most)
-        begins, ends, times = found.lasting(LandmarkKind.STICK, LandmarkKind.SLIP)
-        breakaways, distance = np.flatnonzero(found.kind == LandmarkKind.SLIP), found.column("distance")
-        slipped = breakaways[breakaways + 1 < distance.size]
+        found = _lasting(rows, begin, end, most, LandmarkKind.STICK, LandmarkKind.SLIP)
+        kind, distance = (rows.column("landmarks", name, found.first, found.last) for name in ("kind", "distance"))
+        slipped = np.flatnonzero(kind[:-1] == LandmarkKind.SLIP)
         return cls(
-            stick_begin=begins,
-            stick_end=ends,
-            stick_times=times,
+            stick_begin=found.begin,
+            stick_end=found.end,
+            stick_times=found.times,
             slip_lengths=distance[slipped + 1] - distance[slipped],
         )

@@ -239,7 +239,8 @@ class MeasuredRun:
         self.stretches: dict[str, Stretches] = {}
         self.zero_ticks, self.largest = 0, 0.0
         self.spectrum = WelchSum(self.layout.segment, self.layout.stride * model.tick)
-        self.products = CovarianceSum(self.layout.lags[-1], area_cumulants(model).mean if model.free is None else 0.0)
+        centre = area_cumulants(model).mean if model.free is None else 0.0
+        self.products = CovarianceSum(np.array(self.layout.lags), centre)
         self._sampled: list[Doubles] = [np.empty((3, 0))]
         self._first = self.layout.first["trace"] % self.layout.apart
         self._ticks = model.tick * np.arange(self._first, model.tick_count + 1, self.layout.apart)

@@ -13,7 +13,7 @@ from math import ceil, inf, isfinite
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused
 from rubnoise.tables import fields_as_text
 
@@ -95,72 +95,42 @@ def autocovariance(values: Doubles, reach: int) -> Doubles:
     of long lags small, and makes R_j smaller than its expectation by a part j/n, and by the variance of the mean.
     Source: Priestley, Spectral Analysis and Time Series, section 5.3.
     """
-    size = _fast_length(values.size + reach)
+    size = 1 << (values.size + reach - 1).bit_length()  # a power of two, whose transform is fast
     power = np.square(np.abs(np.fft.rfft(values - values.mean(), size)))
     return np.asarray(np.fft.irfft(power, size)[: reach + 1] / values.size, dtype=np.float64)
 
 
-def _fast_length(least: int) -> int:
-    """Return the least power of two from ``least`` on, whose transform is fast."""
-    return 1 << (least - 1).bit_length()
-
-
-_STRETCHES_A_REACH = 4
-_SHORTEST = 4096
-
-
 class CovarianceSum:
-    """Autocovariances at lags of 0 to ``reach`` ticks of a stream of values, which may come in pieces of any size.
+    """Autocovariances at some lags (ticks, rising) of a stream of values, which may come in pieces of any size.
 
-    ``centre`` is about the mean, so that nothing is lost to cancellation. Memory holds a few times ``reach`` values,
-    however long the stream is.
+    ``centre`` is about the mean, so that nothing is lost to cancellation. Memory holds a piece and the longest lag.
     """
 
-    def __init__(self, reach: int, centre: float) -> None:
-        self._reach = reach
-        self._centre = centre
-        self._stretch = max(_SHORTEST, _STRETCHES_A_REACH * reach)
-        self._held: list[Doubles] = []
-        self._waiting = 0
-        self._head = np.empty(0)
-        self._tail = np.zeros(reach)
-        self._size = _fast_length(self._stretch + reach)
-        self._waves = np.zeros(self._size // 2 + 1, dtype=np.complex128)
-        self._count = 0
-        self._total = 0.0
+    def __init__(self, lags: Integers, centre: float) -> None:
+        self._lags, self._centre, self._reach = lags, centre, int(lags[-1])
+        self._head = self._tail = np.empty(0)
+        self._products = np.zeros(lags.size)
+        self._count, self._total = 0, 0.0
 
     def add(self, values: Doubles) -> None:
         """Add the next values."""
-        new = values - self._centre
+        row = np.concatenate([self._tail, values - self._centre])
+        for place, lag in enumerate(self._lags.tolist()):
+            begin = max(self._tail.size, lag)
+            self._products[place] += row[begin:] @ row[begin - lag : max(row.size - lag, 0)]
         if self._head.size < self._reach:
-            self._head = np.concatenate([self._head, new[: self._reach - self._head.size]])
-        self._count += new.size
-        self._total += float(np.add.reduce(new))
-        self._held.append(new)
-        self._waiting += new.size
-        if self._waiting >= self._stretch:
-            self._multiply()
-
-    def _multiply(self) -> None:
-        """Add the products of values in memory with each other and with earlier ones: an overlap-save correlation."""
-        row = np.concatenate([self._tail, *self._held])
-        self._held, self._waiting = [], 0
-        for first in range(self._reach, row.size, self._stretch):
-            part = row[first : first + self._stretch]
-            around = row[first - self._reach : first + part.size]
-            self._waves += np.conj(np.fft.rfft(part, self._size)) * np.fft.rfft(around, self._size)
-        self._tail = row[row.size - self._reach :]
+            self._head = np.append(self._head, row[self._tail.size :])[: self._reach]
+        self._count += values.size
+        self._total += float(np.add.reduce(row[self._tail.size :]))
+        self._tail = row[max(row.size - self._reach, 0) :]
 
     def covariances(self) -> Doubles:
         """Return the mean of (x_i - mean)(x_(i+j) - mean) over the n - j pairs of each lag j; nan for a lag without."""
-        self._multiply()
-        products = np.fft.irfft(self._waves, self._size)[self._reach :: -1]
-        pairs = np.maximum(self._count - np.arange(self._reach + 1), 0).astype(np.float64)
+        pairs = np.maximum(self._count - self._lags, 0).astype(np.float64)
         mean = self._total / max(self._count, 1)
-        head = np.pad(self._head, (0, self._reach - self._head.size))
-        missing = np.concatenate([[0.0], np.cumsum(head + self._tail[::-1])])
-        ends = 2.0 * self._total - missing
-        return (products - mean * ends) / np.where(pairs > 0.0, pairs, np.nan) + mean * mean
+        missing = np.append(0.0, np.cumsum(self._head + self._tail[::-1]))
+        ends = 2.0 * self._total - missing[np.minimum(self._lags, self._head.size)]
+        return (self._products - mean * ends) / np.where(pairs > 0.0, pairs, np.nan) + mean * mean
 
 
 BINS = 60

@@ -148,7 +148,7 @@ class SummarySink:
         self._tally = Tally.of(model)
         self._histogram = HistogramSum(layout.edges, layout.batch)
         self._spectrum = WelchSum(layout.segment, layout.step)
-        self._covariance = CovarianceSum(int(layout.lags[-1]), area_cumulants(model).mean)
+        self._covariance = CovarianceSum(layout.lags, area_cumulants(model).mean)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Add rows of a group (see Sink)."""
@@ -168,7 +168,7 @@ class SummarySink:
             "histogram": histogram.density,
             "histogram_standard_error": histogram.standard_error,
             "spectrum": self._layout.banded(spectrum.density),
-            "autocovariance": self._covariance.covariances()[self._layout.lags],
+            "autocovariance": self._covariance.covariances(),
         }
         return RunSummary(
             figures=summarise(self._model, self._tally),

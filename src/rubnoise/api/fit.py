@@ -14,9 +14,8 @@ from rubnoise.api import keywords
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, needing
 from rubnoise.inference import inference
-from rubnoise.inference.assumed import OtherPulse
 from rubnoise.inference.estimates import Estimate
-from rubnoise.inference.inference import InferenceResult
+from rubnoise.inference.inference import InferenceResult, Tried
 from rubnoise.scenario.text import text_of
 from rubnoise.tables import shortened
 from rubnoise.units import SPEED, STRESS
@@ -246,7 +245,7 @@ def _granted(found: InferenceResult) -> Iterator[Row]:
         yield Row(part="assumptions", name="other_lives", note=f"of the shape {lives.pulse.shape} {_compared(lives)}")
 
 
-def _compared(other: OtherPulse) -> str:
+def _compared(other: Tried) -> str:
     which, size = ("worse" if other.worse_by >= 0.0 else "better"), ("more" if other.diameter_off >= 0.0 else "less")
     told = "" if other.told_apart else ", which decides nothing"
     numbers = [
@@ -254,7 +253,7 @@ def _compared(other: OtherPulse) -> str:
         for name, each in other.estimates.items()
         if name in {"junction_count", "shear_strength"}
     ]
-    diameter = f"diameter {other.diameter:.4g} um ({100.0 * abs(other.diameter_off):.2g} % {size})"
+    diameter = f"diameter {other.estimates['diameter'].value:.4g} um ({100.0 * abs(other.diameter_off):.2g} % {size})"
     fit = f"fit {which} by {abs(other.worse_by):.3g} +- {other.error:.2g} of the criterion{told}"
     return f"{fit}, and give {', '.join([diameter, *numbers])}"
 

@@ -16,12 +16,10 @@ from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused, refusing_files
-from rubnoise.inference.assumed import Assumed
-from rubnoise.inference.estimates import Estimate
+from rubnoise.inference.estimates import Assumed, Estimate
 from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, infer_signal
-from rubnoise.inference.signal import Signal, clipped, digits
-from rubnoise.inference.strokes import joined
+from rubnoise.inference.signal import Signal, clipped, digits, joined
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.sink import Columns

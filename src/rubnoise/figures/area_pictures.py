@@ -87,13 +87,13 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> str:
     reach = min(int(LAG_LIVES * life / track.step) + 1, (track.last - track.first) // 2)
     steps = np.arange(0, reach + 1, max(1, reach // LAGS))
     lag, mean = track.step * steps, float(track.record().mean())
-    products = CovarianceSum(reach, mean)
+    products = CovarianceSum(steps, mean)
     for chunk in track.chunks():
         products.add(chunk)
     axes = figure.subplots()
     if stretch.has_theory:
         _draw_exact(axes, stretch, np.linspace(0.0, float(lag[-1]), 400))
-    axes.plot(lag, products.covariances()[steps], "o", color=BLUE, ms=2.6, label="simulated")
+    axes.plot(lag, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
     rounding = (NEAREST * mean) ** 2
     if max(np.abs(axes.get_ylim())) < rounding:
         axes.set_ylim(-rounding, rounding)

@@ -13,9 +13,9 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.inference.passes import OPEN, Sensor
 from rubnoise.inference.periodogram import Bands, Expectation
 from rubnoise.inference.populations import NARROWEST, EnergyTable, Population, energy_table
-from rubnoise.inference.sensor import OPEN, Sensor
 
 FLOOR: Final = 1e-13
 """Noise below this part of the largest band counts as none."""

@@ -13,6 +13,7 @@ import numpy as np
 from rubnoise.arrays import Doubles, slices
 from rubnoise.inference.passes import first_integrals, life_integrals, offsets, passed
 from rubnoise.inference.periodogram import Bands, masked_bins
+from rubnoise.inference.populations import shot_sizes
 from rubnoise.inference.scoring import RAMP_VARIANCE, Fit
 from rubnoise.inference.signal import ramp_of
 
@@ -241,8 +242,6 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool, scatter: 
     ``scatter``, or the part of single junctions if that is larger, since a record may lack the largest of them.
     """
     from scipy.special import stdtr
-
-    from rubnoise.inference.populations import shot_sizes
 
     contact, place = fit.contact, fit.contact.place
     psi, pulse, sensor = contact.strength, fit.problem.pulse, fit.problem.sensor

@@ -10,8 +10,16 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Offset, Pulse, Shape, pulse_of
 from rubnoise.errors import Refused
-from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, OtherPulse, assumptions, by_spread
-from rubnoise.inference.estimates import Estimate, estimates_of, widened
+from rubnoise.inference.estimates import (
+    NOTHING,
+    Assumed,
+    Estimate,
+    IfSpread,
+    assumptions,
+    by_spread,
+    estimates_of,
+    widened,
+)
 from rubnoise.inference.fitting import FitPoint, FitProblem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
 from rubnoise.inference.passes import passed
@@ -40,20 +48,33 @@ _APART = 4.0  # of a deviance: two standard errors of one more parameter, which 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LawFit:
-    """One law compared with the others: its criterion, and the difference to the best one.
+class Tried:
+    """The fit of a law and a pulse, compared with the best fit of the assumed pulse.
 
-    ``criterion`` is the Whittle deviance plus twice the number of parameters; ``worse_by`` its excess over the best
-    law's, with the standard error that the excess has; ``told_apart`` whether the excess of the deviance alone is above
-    4 and above twice this error.
+    ``criterion`` is the Whittle deviance plus twice the number of parameters; ``worse_by`` its excess over that of the
+    best, with the standard error that the excess has; ``told_apart`` whether the deviance alone is larger, of another
+    pulse larger or smaller, by more than 4 and by more than twice this error. ``estimates`` are those that it gives,
+    ``off`` relative differences of number, diameter, area and strength for another pulse.
     """
 
     law: str
+    pulse: Pulse
     criterion: float
     worse_by: float
     error: float
     told_apart: bool
     estimates: Mapping[str, Estimate]
+    off: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def diameter_off(self) -> float:
+        """Relative difference of the diameter."""
+        return self.off["diameter"]
+
+    @property
+    def furthest(self) -> float:
+        """Largest relative difference."""
+        return max(map(abs, self.off.values()))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,7 +92,7 @@ class InferenceResult:
     estimates: Mapping[str, Estimate] = field(default_factory=dict)
     not_identified: Mapping[str, str] = field(default_factory=dict)
     law: str = ""
-    laws: tuple[LawFit, ...] = ()
+    laws: tuple[Tried, ...] = ()
     tests: tuple[HonestyTest, ...] = ()
     law_free: Mapping[str, float] = field(default_factory=dict)
     parameters: tuple[str, ...] = ()
@@ -81,8 +102,8 @@ class InferenceResult:
     fit: Fit | None = field(repr=False, default=None)
     bootstrap: Mapping[str, Estimate] = field(repr=False, default_factory=dict)
     assumptions: Mapping[str, str] = field(default_factory=dict)
-    other_offset: OtherPulse | None = None
-    other_shape: OtherPulse | None = None
+    other_offset: Tried | None = None
+    other_shape: Tried | None = None
     by_strength_spread: tuple[IfSpread, ...] = ()
 
     @property
@@ -171,7 +192,7 @@ def infer_signal(
     spoken = honesty_tests(values, level, best, zero_known=zero == "known") if tests else ()
     pulse, doubtful = assumed.pulse, any(test.flagged for test in spoken if test.name == "spectrum")
 
-    def tried(shape: Shape, offset: Offset, *, asked: bool) -> OtherPulse | None:
+    def tried(shape: Shape, offset: Offset, *, asked: bool) -> Tried | None:
         if not tests or not (asked or doubtful):
             return None
         return _other(fitted(pulse_of(shape, offset)), best, signal, scale, of_best)
@@ -322,30 +343,17 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
     return reasons
 
 
-def _other(fits: list[Fit], best: Fit, signal: Signal, scale: float, estimates: Mapping[str, Estimate]) -> OtherPulse:
+def _other(fits: list[Fit], best: Fit, signal: Signal, scale: float, estimates: Mapping[str, Estimate]) -> Tried:
     """Return the best fit of another pulse, compared with the best fit of the assumed one."""
     other = min(fits, key=_criterion)
-    beside = _beside(other, best, estimates_of(other, signal, scale, compared=len(fits) > 1))
-    excess = beside.worse_by + 2.0 * (len(best.names) - len(other.names))
-    off = {
-        name: beside.estimates[name].value / estimates[name].value - 1.0
-        for name in _BY_SHAPE
-        if name in estimates and name in beside.estimates
-    }
-    return OtherPulse(
-        pulse=other.problem.pulse,
-        worse_by=beside.worse_by,
-        error=beside.error,
-        diameter=beside.estimates["diameter"].value,
-        diameter_off=off["diameter"],
-        told_apart=abs(excess) > max(_APART, 2.0 * beside.error),
-        estimates=beside.estimates,
-        furthest=max(map(abs, off.values())),
-    )
+    found = estimates_of(other, signal, scale, compared=len(fits) > 1)
+    known = [name for name in _BY_SHAPE if name in estimates and name in found]
+    off = {name: found[name].value / estimates[name].value - 1.0 for name in known}
+    return replace(_beside(other, best, found), off=off)
 
 
-def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
-    """Return a law's fit compared with the best one: Vuong's test on the difference of their Whittle likelihoods.
+def _beside(fit: Fit, best: Fit, estimates: Mapping[str, Estimate]) -> Tried:
+    """Return a fit compared with the best one: Vuong's test on the difference of their Whittle likelihoods.
 
     Twice the number of parameters chooses the best law; it is no evidence against another, and is not tested.
     Source: Vuong (1989), doi:10.2307/1912557, with the covariance of the bands instead of that of independent values.
@@ -355,12 +363,14 @@ def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
     scatter = covariance(best.problem, best.contact, best.expected.mean)[1:, 1:]
     error = sqrt(max(float(slope @ scatter @ slope), 0.0))
     excess = deviance(bands, fit.expected.mean) - deviance(bands, best.expected.mean)
-    return LawFit(
+    far = excess if fit.problem.pulse == best.problem.pulse else abs(excess)
+    return Tried(
         law=fit.problem.population.name,
+        pulse=fit.problem.pulse,
         criterion=_criterion(fit),
         worse_by=_criterion(fit) - _criterion(best),
         error=error,
-        told_apart=fit is not best and excess > max(_APART, 2.0 * error),
+        told_apart=fit is not best and far > max(_APART, 2.0 * error),
         estimates=estimates,
     )
 

@@ -1,19 +1,21 @@
-"""Single passes of junctions, at each offset and after the filter of the sensor, of which shot noise consists.
+"""The sensor's filter, and single passes of junctions at each offset behind it, of which shot noise consists.
+
+The sensor has equal analogue poles before sampling, and white noise after it.
 
 Averages over offsets have closed forms, single offsets have none. Here a few offsets represent all; their values are
 found by sums, and scaled so that their average is the closed form.
 """
 
+from dataclasses import dataclass
 from functools import cache
-from math import pi
+from math import inf, isinf, pi
 from typing import Final
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.pulses import Pulse, area_of, half_life
 from rubnoise.inference.populations import mean_life_energy
-from rubnoise.inference.sensor import Sensor
 
 _OFFSETS: Final = 8
 _PLACES: Final = 400  # along half a pass
@@ -22,6 +24,66 @@ _SMOOTHED: Final = 24  # of these phases: a tenth of ln z
 _GRID: Final = 2048
 _DECAYS: Final = 16.0
 _SLOWEST: Final = 1.0  # of the decay of the sensor over d: smaller junctions bring next to nothing
+
+_PIECE: Final = 1 << 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensor:
+    """A filter |H|^2 = 1/(1 + (k/kc)^2)^p with ``corner`` kc in rad per tick and ``poles`` p; inf passes everything."""
+
+    corner: float = inf
+    poles: int = 1
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it passes everything."""
+        return isinf(self.corner)
+
+    def energy(self, wavenumber: Doubles) -> Doubles:
+        """Return |H|^2."""
+        return (1.0 + np.square(wavenumber / self.corner)) ** -self.poles
+
+    def slopes(self, wavenumber: Doubles) -> tuple[Doubles, Doubles]:
+        """Return the first and second derivative of |H|^2 by ln k: with x = (k/kc)^2, -2 p x and 4 p x (p x - 1)."""
+        x, p = np.square(wavenumber / self.corner), self.poles
+        whole = (1.0 + x) ** (-p - 2.0)
+        return -2.0 * p * x * (1.0 + x) * whole, 4.0 * p * x * (p * x - 1.0) * whole
+
+    def response(self, wavenumber: Doubles) -> Complexes:
+        """Return H = 1/(1 + i k/kc)^p, a causal filter."""
+        return np.asarray((1.0 + 1j * wavenumber / self.corner) ** -self.poles, dtype=np.complex128)
+
+    def filtered(self, values: Doubles) -> Doubles:
+        """Return a trace after the filter; it wraps round at its ends."""
+        from scipy.fft import irfft, rfft
+
+        k = 2.0 * np.pi * np.arange(values.size // 2 + 1) / values.size
+        found: Doubles = irfft(rfft(values) * self.response(k), values.size)
+        return found
+
+    def mirrored(self, values: Doubles) -> Doubles:
+        """Return a trace without the delay of the filter, |H|/H, in which a life is its own mirror image again.
+
+        It is done in parts, to limit memory; white noise stays white.
+        """
+        from scipy.fft import irfft, rfft
+
+        if self.is_open:
+            return values
+        found = np.empty_like(values)
+        parts = -(-values.size // _PIECE)
+        for begin, end in zip(
+            np.arange(parts) * values.size // parts, (np.arange(parts) + 1) * values.size // parts, strict=True
+        ):
+            k = 2.0 * np.pi * np.arange((end - begin) // 2 + 1) / (end - begin)
+            seen = self.response(k)
+            found[begin:end] = irfft(rfft(values[begin:end]) * np.abs(seen) / seen, end - begin)
+        return found
+
+
+OPEN: Final = Sensor()
+"""A sensor that passes everything."""
 
 
 @cache
@@ -100,7 +162,7 @@ def passed(pulse: Pulse, sensor: Sensor, diameters: Doubles, probability: Double
     if sensor.is_open:
         return 1.0, 1.0
     weights = np.outer(probability, offsets(pulse)[1])
-    seen, whole = (life_integrals(pulse, each, diameters) for each in (sensor, Sensor()))
+    seen, whole = (life_integrals(pulse, each, diameters) for each in (sensor, OPEN))
     second, third = (
         float(np.sum(weights * here) / np.sum(weights * all_)) for here, all_ in zip(seen, whole, strict=True)
     )

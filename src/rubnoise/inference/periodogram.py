@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.inference.passes import OPEN, Sensor
 from rubnoise.inference.populations import EnergyTable
-from rubnoise.inference.sensor import OPEN, Sensor
 
 TAPER: Final = 0.1
 """Part of a segment over which the taper rises and falls."""
