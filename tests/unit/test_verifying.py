@@ -61,13 +61,13 @@ def without_sizes(path: Path) -> None:
 
 CHANGES: dict[str, tuple[Change, str, str]] = {
     "a unit": (text("junctions/diameter", "units", "mm"), "attributes", "/junctions/diameter units"),
-    "a unit of ticks": (
-        text("trace/real_contact_area", "units", "mm^2"),
-        "attributes",
-        "/trace/real_contact_area",
-    ),
     "a long name": (text("slider/velocity", "long_name", "displacement"), "attributes", "/slider/velocity long_name"),
     "the meaning of a flag": (text("junctions/state", "flag_meanings", "a b c"), "attributes", "/junctions/state flag"),
+    "the bits of a flag": (
+        edited(lambda file: file["junctions/state"].attrs.modify("flag_masks", np.zeros(3, "|u1"))),
+        "attributes",
+        "/junctions/state flag_masks",
+    ),
     "the formula": (without_sizes, "attributes", "/ junction_area_formula"),
     "the convention": (text("/", "Conventions", "CF-1.0"), "attributes", "/ Conventions"),
     "a title": (text("/", "title", "another"), "", ""),  # the scenario has none: it was the name of the file

@@ -106,6 +106,6 @@ def verify(
     )
     show(replace(found, title=f"{file}: compared with {whole}"), as_json=as_json)
     if found.different:
-        places = [check.first for check in found.different if check.first is not None]
-        first = next((place for place in places if place.row is not None), places[0])  # one with a row says most
+        said = [check.first for check in found.different]
+        first = next((each for each in said if " row " in each), said[0])  # one with a row says most
         raise NotPassed(printable(f"{file}: differs: {first}{f'; {found.remark}' if found.remark else ''}"))

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf, isnan
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
 from rubnoise.simulation.run import Ended, simulate
 from rubnoise.storage.format import seal_of
-from rubnoise.storage.inventory import OF_HDF5, expected_inventory
+from rubnoise.storage.inventory import OF_HDF5, Entry, expected_inventory
 from rubnoise.storage.layout import environment
 from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.reader import RunFile
@@ -48,25 +48,6 @@ _CONSTANT: Final = 2.0**-30
 """Standard deviation over mean below which a column is constant but for rounding, and has no shape."""
 
 
-class Difference(NamedTuple):
-    """A wrong value in a file; ``row`` is None for an attribute, or for a column as a whole."""
-
-    place: str
-    found: str
-    expected: str
-    row: int | None = None
-
-    def __str__(self) -> str:
-        """Return the place with both values, on one line."""
-        row = "" if self.row is None else f" row {self.row}"
-        verb = "" if self.found.startswith(("is ", "has ")) else "is "  # which reasons of a refusal begin with
-        return f"{self.place}{row} {verb}{self.found}, should be {self.expected}"
-
-    def within(self, file: str) -> "Difference":
-        """Return the same in a file of several."""
-        return self._replace(place=f"{file} {self.place}")
-
-
 @dataclass(slots=True)
 class Check:
     """One check, which every correct file passes: how many values it compared, how many differ, and the first."""
@@ -74,7 +55,7 @@ class Check:
     name: str
     values: int = 0
     different: int = 0
-    first: Difference | None = None
+    first: str = ""
 
     @property
     def holds(self) -> bool:
@@ -94,24 +75,22 @@ class Check:
         self.values += found.size
         if wrong.size:
             one, other = (repr(each[wrong[0]].item()) for each in (found, right))
-            self.differ(Difference(place, one, other, first_row + int(wrong[0])), wrong.size)
+            self.differ(f"{place} row {first_row + int(wrong[0])} is {one}, should be {other}", wrong.size)
 
     def say(self, place: str, *, found: object, expected: object) -> None:
-        """Compare one value without a row; long texts are shown from a little before the place where they differ."""
+        """Compare one value; long texts are shown from a little before the place where they differ."""
         self.values += 1
         if found != expected:
             one, other = str(found), str(expected)
             shared = next((n for n, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]), 0)
             begin = max(shared - LONGEST // 2, 0)
-            shown = slice(begin, begin + LONGEST)
-            self.differ(Difference(place, one[shown], other[shown]))
+            one, other = one[begin : begin + LONGEST], other[begin : begin + LONGEST]
+            self.differ(f"{place} is {one}, should be {other}")
 
-    def differ(self, difference: Difference, count: int = 1) -> None:
-        """Count differences, and keep the first one: one without a row, or that of the lowest row."""
+    def differ(self, said: str, count: int = 1) -> None:
+        """Count differences, and keep what is said of the first one."""
         self.different += count
-        kept, row = self.first, difference.row
-        if kept is None or (kept.row is not None and (row is None or row < kept.row)):
-            self.first = difference
+        self.first = self.first or said
 
 
 def _bits(values: NDArray[Any]) -> NDArray[np.unsignedinteger[Any]]:
@@ -176,7 +155,7 @@ def verify(run: RunFile, *, regenerate: bool = False) -> Verification:
     try:
         scenario = stored(run.provenance["scenario_resolved"])
     except RunFileRefused as refusal:
-        structure.say("/provenance scenario_resolved", found=str(refusal), expected="the scenario of the run")
+        structure.differ(f"/provenance scenario_resolved {refusal}")
         return _stopped(checks[:2], "there is no scenario")
     _check_description(structure, attributes, scenario, run)
     if not structure.holds:
@@ -223,23 +202,16 @@ def _check_description(structure: Check, attributes: Check, scenario: Scenario, 
     right = right if scenario.title else replace(right, title=str(run.attributes["title"]))
     found, expected = run.inventory(), expected_inventory(right)
     for path in dict.fromkeys([*expected, *found]):
-        there, here = (dict(each.get(path, {"kind": "missing"})) for each in (found, expected))
-        has, should = (each.pop("attributes", {}) for each in (there, here))
-        structure.say(path, found=", ".join(map(str, there.values())), expected=", ".join(map(str, here.values())))
+        there, here = (each.get(path, Entry("missing")) for each in (found, expected))
+        structure.say(path, found=there.words, expected=here.words)
+        has, should = there.attributes, here.attributes
         for name in dict.fromkeys([*should, *has]) if path in found and path in expected else ():
             of_rows = path == "/summary" and name not in should
             if not of_rows and not (name in ORIGIN and name in has and name in should):
-                one, other = (each.get(name, _MISSING) for each in (has, should))
-                same = json.dumps(one["value"]) == json.dumps(other["value"])
-                about = "type" if same and name not in OF_HDF5 else "value"
-                attributes.say(f"{path} {name}", found=_shown(one[about]), expected=_shown(other[about]))
-
-
-_MISSING: Final = {"value": "missing", "type": "missing"}
-
-
-def _shown(value: object) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
+                one, other = (each.get(name, ("missing", "missing")) for each in (has, should))
+                same = json.dumps(one[0]) == json.dumps(other[0])
+                shown = [each[1] if same and name not in OF_HDF5 else json.dumps(each[0]) for each in (one, other)]
+                attributes.say(f"{path} {name}", found=shown[0], expected=shown[1])
 
 
 def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verification:

@@ -5,11 +5,11 @@ What only the index says, its texts and the reasons of failures, is left to its 
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from math import nan
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -17,36 +17,68 @@ from rubnoise.answer import Row, left_out
 from rubnoise.errors import RunFileRefused
 from rubnoise.figure_names import DONE
 from rubnoise.regular_file import INDEX
-from rubnoise.runs.folder import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, run_files, scenario_in, summarised
+from rubnoise.runs.folder import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, scenario_in, summarised
 from rubnoise.runs.index import figures_in, scenario_at
-from rubnoise.runs.verification import LONGEST, Check, Difference, Verification, verification, verify
+from rubnoise.runs.verification import LONGEST, Check, Verification, verification, verify
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.sweep import name_of
-from rubnoise.scenario.sweep_keys import Keep
 from rubnoise.storage.index import read_index
 from rubnoise.storage.output import PART
 from rubnoise.storage.reader import open_run
 
-SHOWN: Final = 10
-"""How many names of one kind are listed; of others their number is."""
-
 
 @dataclass(slots=True, kw_only=True)
-class Results:
+class _Results:
     """The files of runs: the figures of each by its name, and the checks of their names and of what is in them."""
 
+    regenerate: bool
     names: Check = field(default_factory=lambda: Check("names"))
     runs: Check = field(default_factory=lambda: Check("runs"))
     figures: dict[str, Figures] = field(default_factory=dict)
     left_out: Counter[tuple[str, str]] = field(default_factory=Counter)
 
-    def take(self, path: Path, resolved: Mapping[str, Any], figures: Figures) -> None:
+    def take(self, path: Path) -> None:
+        """Verify a file in the folder of runs."""
+        place = f"{RUNS}/{path.name}"
+        try:
+            if path.suffix == SUFFIXES["runs"]:
+                self._take_run(path, place)
+            elif path.suffix == SUFFIXES["summary"]:
+                self._take_summary(path, place)
+            else:
+                self.names.differ(f"{place} is no file of a run")
+        except RunFileRefused as refusal:
+            self.runs.differ(f"{place} {str(refusal).removeprefix(f'{path}: ')[:LONGEST]}")
+
+    def _note(self, path: Path, resolved: Mapping[str, Any], figures: Figures) -> None:
         """Note what a file is of."""
-        name = name_in(resolved, path)
-        right = path.stem if name == path.stem else f"that of {path.stem}"
-        found = name if name == path.stem else f"the result of {name or 'no run of this version'}"
-        self.names.say(f"{RUNS}/{path.name}", found=found, expected=right)
+        found = f"the result of {name_in(resolved, path) or 'no run of this version'}"
+        self.names.say(f"{RUNS}/{path.name}", found=found, expected=f"the result of {path.stem}")
         self.figures[path.stem] = figures
+
+    def _take_run(self, path: Path, place: str) -> None:
+        with open_run(path) as run:
+            self._note(path, scenario_in(run), numbers_in(run.summary))
+            found = verify(run, regenerate=self.regenerate)
+        self.runs.values += found.values
+        self.left_out.update(found.left_out.items())
+        for check in found.different:
+            self.runs.differ(f"{place} {check.first}")
+
+    def _take_summary(self, path: Path, place: str) -> None:
+        """Make a run that keeps its summary alone again, and compare every figure and curve bit for bit."""
+        resolved, kept = read(path)
+        found = dict(kept or {})
+        self._note(path, resolved, found)
+        if not resolved:
+            return
+        right = summarised(stored(resolved, f"{path}: the scenario in the file"), first="spectrum_place" in found)
+        for name in {**found, **right}:
+            one, other = (np.asarray(each.get(name, "missing")) for each in (found, right))
+            self.runs.values += other.size
+            if one.dtype != other.dtype or one.shape != other.shape or one.tobytes() != other.tobytes():
+                here, there = (str(each.tolist())[:LONGEST] for each in (one, other))
+                self.runs.differ(f"{place} {name} is {here}, should be {there}")
 
 
 def verify_sweep(
@@ -60,11 +92,14 @@ def verify_sweep(
     ``watch`` is called with the number of runs checked and of all runs; ``regenerate`` is that of `verify`. Raises
     RunFileRefused for a folder that is not that of a sweep, or that cannot be read.
     """
-    root = Path(folder)
+    root, results = Path(folder), _Results(regenerate=regenerate)
     try:
         if not root.is_dir() or not ((root / INDEX).exists() or (root / RUNS).is_dir()):
             raise RunFileRefused(f"{root}: is not a sweep folder: it has neither {INDEX} nor {RUNS}")
-        results = _results(root, watch, regenerate=regenerate)
+        files = sorted(_seen(root / RUNS))
+        for number, path in enumerate(files):
+            watch(number, len(files))
+            results.take(path)
         omitted = list(_left_out(root, results))
         return verification((_index_check(root, results, omitted), results.names, results.runs), omitted)
     except OSError as problem:  # a folder in it may be closed to who asks, or be on a disk that fails
@@ -72,79 +107,24 @@ def verify_sweep(
         raise RunFileRefused(f"{problem.filename or root}: {reason}") from problem
 
 
-def _results(root: Path, watch: Callable[[int, int], None], *, regenerate: bool) -> Results:
-    """Verify every file in the folder of runs."""
-    results = Results()
-    right = set(run_files(root))
-    there = (root / RUNS).iterdir() if (root / RUNS).is_dir() else ()
-    files = sorted(path for path in there if not path.name.startswith(".") and not path.name.endswith(PART))
-    for number, path in enumerate(files):
-        watch(number, len(files))
-        if path.suffix not in SUFFIXES.values() or not path.is_file():
-            results.names.say(f"{RUNS}/{path.name}", found="there", expected="no file of this name")
-            continue
-        if path not in right:
-            results.names.say(f"{RUNS}/{path.name}", found=path.stem, expected="the result of the run that it names")
-        try:
-            if path.suffix == SUFFIXES["summary"]:
-                _verify_summary(results, path)
-            else:
-                _verify_run(results, path, regenerate=regenerate)
-        except RunFileRefused as refusal:
-            reason = str(refusal).removeprefix(f"{path}: ")[:LONGEST]
-            results.runs.differ(Difference(f"{RUNS}/{path.name}", reason, "the result of a run"))
-    return results
+def _seen(folder: Path) -> list[Path]:
+    """Return what is in a folder, but parts and what is hidden."""
+    there = folder.iterdir() if folder.is_dir() else ()
+    return [path for path in there if not path.name.startswith(".") and not path.name.endswith(PART)]
 
 
-def _verify_run(results: Results, path: Path, *, regenerate: bool) -> None:
-    with open_run(path) as run:
-        results.take(path, scenario_in(run), numbers_in(run.summary))
-        found = verify(run, regenerate=regenerate)
-    results.runs.values += found.values
-    results.left_out.update(found.left_out.items())
-    for check in found.different:
-        if check.first is not None:
-            results.runs.differ(check.first.within(f"{RUNS}/{path.name}"))
-
-
-def _verify_summary(results: Results, path: Path) -> None:
-    """Make a run that keeps its summary alone again, and compare every figure and curve bit for bit."""
-    resolved, kept = read(path)
-    found = dict(kept or {})
-    results.take(path, resolved, found)
-    if not resolved:
-        return  # which `take` has said
-    scenario = stored(resolved, f"{path}: the scenario in the file")
-    right = summarised(scenario, first="spectrum_place" in found)
-    for name in {**found, **right}:
-        one, other = (np.asarray(each.get(name, "missing")) for each in (found, right))
-        results.runs.values += other.size
-        if one.dtype != other.dtype or one.shape != other.shape or one.tobytes() != other.tobytes():
-            here, there = (str(each.tolist())[:LONGEST] for each in (one, other))
-            results.runs.differ(Difference(f"{RUNS}/{path.name} {name}", here, there))
-
-
-def _left_out(root: Path, results: Results) -> Iterator[Row]:
+def _left_out(root: Path, results: _Results) -> Iterator[Row]:
     """Yield what is not compared: parts left out for runs, unfinished runs and other files."""
     for (name, reason), count in sorted(results.left_out.items()):
-        runs = f"{count:,} runs: " if count > 1 else "a run: "
-        yield left_out(name, runs + reason)
-    parts = [f"{RUNS}/{path.name}" for path in (root / RUNS).glob(f"*{PART}")]
-    yield from _some(parts, "unfinished; the same sweep makes it", f"{RUNS}/*{PART}")
-    names = [path.name for path in root.iterdir() if path.name not in {INDEX, RUNS}]
-    strays = [name for name in names if not name.startswith(".") and not name.endswith(PART)]
-    yield from _some(strays, "it is no file of the sweep", "others")
+        yield left_out(name, f"{count:,} runs: {reason}" if count > 1 else f"a run: {reason}")
+    for part in sorted((root / RUNS).glob(f"*{PART}")):
+        yield left_out(f"{RUNS}/{part.name}", "unfinished; the same sweep makes it")
+    for path in sorted(_seen(root)):
+        if path.name not in {INDEX, RUNS}:
+            yield left_out(path.name, "it is no file of the sweep")
 
 
-def _some(names: Sequence[str], reason: str, of: str) -> Iterator[Row]:
-    """Yield the first names with a reason, and the number of further ones."""
-    for name in sorted(names)[:SHOWN]:
-        yield left_out(name, reason)
-    if len(names) > SHOWN:
-        yield left_out(f"{len(names) - SHOWN:,} more of {of}", "the same holds for them")
-
-
-def _index_check(root: Path, results: Results, omitted: list[Row]) -> Check:
+def _index_check(root: Path, results: _Results, omitted: list[Row]) -> Check:
     """Check that the index is as it was written, and that it has the figures and the runs that the files have."""
     notes = Check("index")
     try:
@@ -160,14 +140,15 @@ def _index_check(root: Path, results: Results, omitted: list[Row]) -> Check:
         scenario_at(index, point, root / INDEX).resolved() for point in range(len(index.points["values"].values))
     ]
     for name, point, seed in zip(names, points, seeds, strict=True):
-        notes.say(f"/runs/point and /runs/seed of {name}: run", found=name_of(scenarios[point], seed), expected=name)
-    keep: Keep = "runs" if any(index.runs["file"].values) or not results.figures else "summary"
-    for name, figures in figures_in(index, keep):
-        notes.say(f"{RUNS}/{name}", found=DONE if name in results.figures else "missing", expected=DONE)
+        place = f"{INDEX} /runs/point and /runs/seed of {name}: run"
+        notes.say(place, found=name_of(scenarios[point], seed), expected=name)
+    files = any(index.runs["file"].values) or not results.figures
+    for name, figures in figures_in(index, "runs" if files else "summary"):
+        notes.say(f"{INDEX} {RUNS}/{name}", found=DONE if name in results.figures else "missing", expected=DONE)
         kept = results.figures.get(name, figures)
         for figure in {**figures, **kept}:
-            found, right = (np.asarray(each.get(figure, nan)).tolist() for each in (figures, kept))
-            notes.say(f"/runs/{figure} of {name}", found=str(found), expected=str(right))
-    omitted += _some([f"{RUNS}/{name}" for name in results.figures if name not in names], "the index lacks it", "runs")
-    notes.first = notes.first.within(INDEX) if notes.first else None
+            found, right = (str(np.asarray(each.get(figure, nan)).tolist()) for each in (figures, kept))
+            notes.say(f"{INDEX} /runs/{figure} of {name}", found=found, expected=right)
+    if others := len(results.figures.keys() - set(names)):
+        omitted.append(left_out(f"{others:,} of {RUNS}", "the index lacks them"))
     return notes

@@ -1,6 +1,7 @@
 """What a result file holds beside its rows, by name, and what the file of a correct run would hold."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from tempfile import TemporaryFile
 from typing import Any, Final
 
@@ -18,10 +19,17 @@ MOST_OBJECTS: Final = 20_000
 DEEPEST: Final = 4
 """Groups that lie deeper below the root than this are in no file of ours."""
 
-GROUP, DATASET = "group", "dataset"
 
-Inventory = Mapping[str, Mapping[str, Any]]
-"""What there is, by path: its kind, of a dataset also type, shape and storage, and its attributes by name."""
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One object of a file in words, and its attributes by name, each with its value, or None if long, and its type."""
+
+    words: str
+    attributes: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
+
+
+Inventory = Mapping[str, Entry]
+"""What there is, by path."""
 
 OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
 """Attributes that HDF5 writes itself, in types of its own choice: which scale a dataset has."""
@@ -42,11 +50,11 @@ def inventory_of(file: h5py.File) -> Inventory:
 
     Raises RunFileRefused for more objects than any of our files has.
     """
-    found: dict[str, dict[str, Any]] = {}
+    found: dict[str, Entry] = {}
     waiting = [("", file["/"])]
     while waiting:
         path, owner = waiting.pop()
-        found[path or "/"] = {"kind": GROUP, "attributes": _attributes(owner)}
+        found[path or "/"] = Entry("group", _attributes(owner))
         if len(found) + len(waiting) + owner.id.get_num_objs() > MOST_OBJECTS:
             raise RunFileRefused(f"holds more than {MOST_OBJECTS} groups and columns")
         for name in owner:
@@ -57,12 +65,11 @@ def inventory_of(file: h5py.File) -> Inventory:
             elif isinstance(entry, h5py.Dataset):
                 found[place] = _dataset(entry)
             else:
-                kind = GROUP if isinstance(entry, h5py.Group) else "link" if entry is None else "type"
-                found[place] = {"kind": kind, "attributes": {}}
+                found[place] = Entry("group" if isinstance(entry, h5py.Group) else "link" if entry is None else "type")
     return found
 
 
-def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
+def _dataset(dataset: h5py.Dataset) -> Entry:
     creation = dataset.id.get_create_plist()
     layout, storage = creation.get_layout(), "elsewhere"
     if layout == h5py.h5d.CONTIGUOUS and not creation.get_external_count():
@@ -70,37 +77,25 @@ def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
     elif layout == h5py.h5d.CHUNKED:
         filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
         storage = f"in chunks of {creation.get_chunk()[0]} through filters {filters}"
-    ours = storage != "elsewhere" and dataset.ndim == 1
-    scales = [scale.name for scale in dataset.dims[0].values()] if ours else []
-    return {
-        "kind": DATASET,
-        "type": _type(dataset.dtype),
-        # HDF5 would look into other files for the shape of a virtual dataset.
-        "shape": [] if layout == h5py.h5d.VIRTUAL else list(dataset.shape or ()),
-        "storage": storage,
-        "attributes": _attributes(dataset) | {"scale": {"type": "path", "value": scales}},
-    }
+    # HDF5 would look into other files for the shape of a virtual dataset.
+    shape = [] if layout == h5py.h5d.VIRTUAL else list(dataset.shape or ())
+    scales = [scale.name for scale in dataset.dims[0].values()] if storage != "elsewhere" and len(shape) == 1 else []
+    words = f"dataset, {_type(dataset.dtype)}, {shape}, {storage}"
+    return Entry(words, _attributes(dataset) | {"scale": (scales, "path")})
 
 
-def _attributes(owner: h5py.HLObject) -> dict[str, Any]:
-    """Return type, shape and value of each attribute; the value is None if it is long, or of a type of no use here."""
+def _attributes(owner: h5py.HLObject) -> dict[str, tuple[Any, str]]:
     if (count := h5py.h5a.get_num_attrs(owner.id)) > MOST_ATTRIBUTES:
         raise RunFileRefused(f"{owner.name} has {count} attributes")
-    found: dict[str, Any] = {}
+    found: dict[str, tuple[Any, str]] = {}
     for name in owner.attrs:
-        attribute = owner.attrs.get_id(name)
-        plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.dtype.kind in "Sif"
-        value = np.asarray(owner.attrs[name]).tolist() if plain and attribute.shape is not None else None
-        shape = None if attribute.shape is None else list(attribute.shape)
-        found[_readable(name)] = {"type": _type(attribute.dtype), "shape": shape, "value": _listed(value)}
+        attribute, value = owner.attrs.get_id(name), None
+        plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.dtype.kind in "Siuf"
+        if plain and attribute.shape is not None:
+            raw = np.asarray(owner.attrs[name])
+            value = (np.char.decode(raw, "utf-8", "backslashreplace") if raw.dtype.kind == "S" else raw).tolist()
+        found[_readable(name)] = value, _type(attribute.dtype)
     return found
-
-
-def _listed(value: Any) -> Any:
-    """Return a value as JSON has it: lists of numbers and texts."""
-    if isinstance(value, list):
-        return [_listed(each) for each in value]
-    return value.decode("utf-8", "backslashreplace") if isinstance(value, bytes) else value
 
 
 def _type(kind: np.dtype[Any]) -> str:
