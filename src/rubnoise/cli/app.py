@@ -22,10 +22,20 @@ from typer import Typer
 from typer.core import TyperCommand, TyperGroup
 
 from rubnoise.answer import printable
-from rubnoise.cli.ended import INSTEAD
-from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, ScenarioRefused, in_shell
+from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, ScenarioRefused, in_shell
 
 DEBUG = "--debug"
+
+INSTEAD: Final = {
+    "animate": "films are not drawn any more; `rubnoise page RUN.h5 --as lesson` shows junctions as they slide",
+    "cite": "the entry to cite is CITATION.cff of the project; `rubnoise --version` prints the version to give with it",
+    "claims": "`python tools/paper` in a clone of the project tests the claims of the paper and of its field",
+    "contact": "call rubnoise.greenwood_williamson(...) in Python, which takes the same words",
+    "docs": "the pages stand in the folder docs of the project, and on its site",
+    "figures": "`python tools/paper -o figures` in a clone of the project draws the figures of the paper",
+    "resume": "a run is not resumed any more; the `rubnoise run` that began it makes it again, with the same bits",
+}
+"""What to do in place of each command of an earlier version, which ends with exit code 2."""
 
 HEADINGS: Final = {
     "Begin and run": {
@@ -56,7 +66,7 @@ HEADINGS: Final = {
     "Hidden": {
         "schema": "check.print_schema",
         "surface --synthesise": "surface.synthesise",
-        **dict.fromkeys(INSTEAD, "ended.command"),
+        **dict.fromkeys(INSTEAD, "app.ended"),
     },
 }
 """The commands under the headings of --help: the module of this package and the function of each."""
@@ -128,6 +138,8 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         panel = next(heading for heading, commands in HEADINGS.items() if name in commands)
         settings = {"cls": Command, "rich_help_panel": panel, **getattr(module, "SETTINGS", {})}
         settings |= {"hidden": panel == "Hidden"}
+        if name in INSTEAD:  # whatever follows is taken
+            settings |= {"context_settings": {"allow_extra_args": True, "ignore_unknown_options": True}}
         app.command(name, **settings)(command)
         for given in signature(command).parameters.values():
             for about in getattr(given.annotation, "__metadata__", ()):
@@ -150,6 +162,11 @@ def root(
 
         print(version_line())
         raise typer.Exit
+
+
+def ended(context: typer.Context) -> None:
+    """Say what to call instead."""
+    raise Refused(f"rubnoise {context.info_name}: {INSTEAD[str(context.info_name)]}")
 
 
 def main() -> None:

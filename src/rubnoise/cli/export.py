@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from rubnoise.answer import size
-from rubnoise.cli.layout import grouped
 from rubnoise.cli.options import ReplaceFiles, ResultFile, option
 from rubnoise.cli.progress import stoppable
 
@@ -68,5 +67,5 @@ def export(
             return
         write(run, kind.value, files, force=force, between=between)  # type: ignore[arg-type]
         for path, names in files.items():
-            rows = ", ".join(f"{grouped(run.rows(name))} rows of {name}" for name in names)
+            rows = ", ".join(f"{run.rows(name):,} rows of {name}" for name in names)
             print(f"{path}: {rows}, {size(path.stat().st_size)}")

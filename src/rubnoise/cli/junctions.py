@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from rubnoise.answer import Answer, Row, Table, printable, rows
-from rubnoise.cli.layout import grouped, show
+from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile, argument, flag, option
 from rubnoise.cli.plot import check_picture, write_picture
 from rubnoise.errors import Refused
@@ -86,7 +86,7 @@ def command(
             answer = replace(answer, title=f"{file}: {answer.title}")
             show(answer if as_json else replace(answer, rows=()), as_json=as_json, as_csv=as_csv)
             if brief and more:
-                print(f"\n  and {grouped(more)} more (--head N for more, --csv for all)")
+                print(f"\n  and {more:,} more (--head N for more, --csv for all)")
         elif plot:
             _draw(life_of(run, row), file, picture or Path(f"{file.stem}_junction{row}.png"), force=force)
         else:
@@ -150,7 +150,7 @@ def listed(
     )
     order, all_rows = f"-{by or 'junction'}" if descending else by, run.rows("junctions")
     about = rows("", ("where", where), ("sort", order), ("rows", all_rows), ("matched", total))
-    title = f"{grouped(total)} of {grouped(all_rows)} junctions"
+    title = f"{total:,} of {all_rows:,} junctions"
     return Answer(title=title, rows=tuple(about), tables=(table,)), total - found.size
 
 

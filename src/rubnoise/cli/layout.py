@@ -5,7 +5,6 @@ import os
 import sys
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
-from math import isfinite
 from pathlib import Path
 from typing import TextIO
 
@@ -39,11 +38,6 @@ def width() -> int:
 def sentence(text: str, indent: str = "") -> str:
     """Return a sentence broken between words on a terminal, otherwise in one line."""
     return indent + text if columns_of(sys.stdout) is None else broken(text, width(), indent)
-
-
-def grouped(value: float) -> str:
-    """Return a whole number with separated thousands."""
-    return f"{round(value):,}" if isfinite(value) else str(value)
 
 
 def too_short_for_motion(decays: float, needed: float) -> str:

@@ -12,7 +12,7 @@ import typer
 
 from rubnoise import __version__
 from rubnoise.answer import Answer, Row, rows
-from rubnoise.cli.layout import grouped, show
+from rubnoise.cli.layout import show
 from rubnoise.cli.options import ReplaceFile, argument, option
 from rubnoise.cli.progress import stoppable
 
@@ -130,7 +130,7 @@ def sound_answer(path: Path, sound: "Sound", level: "Level", others: int = 0) ->
     from rubnoise.storage.wave_file import BITS
 
     whose = "the loudest sample of all runs" if others else "the loudest sample"
-    rate = f"{grouped(sound.rate)} samples a second of {BITS} bits"
+    rate = f"{sound.rate:,} samples a second of {BITS} bits"
     hearing = None if level.spectrum is None else Hearing.of(level.spectrum)
     begins = sound.first * sound.tick_duration or None
     told = rows(

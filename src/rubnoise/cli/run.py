@@ -14,7 +14,7 @@ import typer
 
 import rubnoise
 from rubnoise.answer import Answer, Row, Table, rows, size
-from rubnoise.cli.layout import as_wide_text, grouped, sentence, show, too_short_for_motion
+from rubnoise.cli.layout import as_wide_text, sentence, show, too_short_for_motion
 from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult, argument, flag, option
 from rubnoise.cli.progress import (
     announce_compilation,
@@ -116,7 +116,7 @@ def _print_result(
     junctions, ticks, count = len(result.junctions), len(result.trace), path.stat().st_size
     told = (("output", str(path)), ("seed", result.provenance["seed"]), ("junctions", junctions), ("ticks", ticks))
     answer = Answer(
-        title=f"{path}: {grouped(junctions)} junctions, {grouped(ticks)} ticks, {size(count)}, in {seconds:.1f} s",
+        title=f"{path}: {junctions:,} junctions, {ticks:,} ticks, {size(count)}, in {seconds:.1f} s",
         rows=(*rows("result", *told, ("bytes", count, "B")), *(replace(row, part="summary") for row in result.summary)),
     )
     _print(answer, warnings, [], as_json=as_json, quiet=quiet)
@@ -218,7 +218,7 @@ def sweep(
         print(as_wide_text(replace(answer, rows=(), tables=answer.tables[1:] if result.failures else answer.tables)))
     if result.failures and not as_json:
         count = len(result.failures)
-        told = f"{grouped(count)} {'run' if count == 1 else 'runs'} failed; the same command tries again"
+        told = f"{count:,} {'run' if count == 1 else 'runs'} failed; the same command tries again"
         print(as_wide_text(Answer(title=told, tables=tuple(failures(result)))), file=sys.stderr)
     if result.failures:
         raise typer.Exit(1)
@@ -238,7 +238,7 @@ def outcome(sweep: "Sweep", result: "SweepResult", imprecise: "list[Unmet]") -> 
     known: dict[str, Any] = {"folder": str(result.path), "index": str(result.path / "index.h5")}
     known |= {"points": len(sweep.cases), "runs": len(result.runs), **counts}
     return Answer(
-        title=f"{result.path}: {grouped(len(sweep.cases))} points, {runs_in_words(result)}",
+        title=f"{result.path}: {len(sweep.cases):,} points, {runs_in_words(result)}",
         rows=tuple(
             Row(name=name, value=value, fails=name == "failed" and bool(value)) for name, value in known.items()
         ),
@@ -260,5 +260,5 @@ def failures(result: "SweepResult") -> Iterator[Table]:
 def runs_in_words(result: "SweepResult") -> str:
     """Return the number of runs, and how many are done, failed and planned."""
     counts = {state: result.count(state) for state in ("done", "failed", "planned")}
-    told = ", ".join(f"{grouped(count)} {state}" for state, count in counts.items() if count)
-    return f"{grouped(len(result.runs))} runs: {told}"
+    told = ", ".join(f"{count:,} {state}" for state, count in counts.items() if count)
+    return f"{len(result.runs):,} runs: {told}"
