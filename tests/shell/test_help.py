@@ -15,8 +15,7 @@ import pytest
 import rubnoise
 from rubnoise.cli import info, version
 from rubnoise.cli.app import COMMANDS as REGISTERED
-from rubnoise.cli.app import EARLIER, program
-from rubnoise.cli.ended import INSTEAD
+from rubnoise.cli.app import EARLIER, INSTEAD, program
 from rubnoise.cli.version import commit_of_checkout, version_line
 from tests.architecture.sources import ROOT
 from tests.shell.terminal import Answer, call, spawn

@@ -1,9 +1,7 @@
 """The columns of one group of a result, by name."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -102,26 +100,12 @@ class Columns(Table, dict[str, Column]):
     def __contains__(self, name: object) -> bool:
         return name in self._columns
 
+    keys, values, items, get = Mapping.keys, Mapping.values, Mapping.items, Mapping.get  # type: ignore[assignment]
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the columns, first the one that the others depend on."""
         return tuple(self._columns)
-
-    def keys(self) -> Iterable[str]:  # type: ignore[override]
-        """Return the names, so that ``dict(run.trace)`` is a dictionary of columns."""
-        return self.names
-
-    def values(self) -> Iterable[Column]:  # type: ignore[override]
-        """Return the columns, each read when its turn comes."""
-        return (self[name] for name in self.names)
-
-    def items(self) -> Iterable[tuple[str, Column]]:  # type: ignore[override]
-        """Return names and columns."""
-        return ((name, self[name]) for name in self.names)
-
-    def get(self, name: str, default: Any = None) -> Any:
-        """Return a column, or the default if there is none of that name."""
-        return self[name] if name in self else default  # noqa: SIM401  (get is what is defined here)
 
     def head(self, rows: int = 5) -> "pd.DataFrame":
         """Return the first rows as a pandas DataFrame; raises ExtraMissing without pandas."""
@@ -198,64 +182,35 @@ def _own_rows(rows: Rows, group: str, name: str, start: int = 0, stop: int | Non
     return found.copy() if isinstance(found.base, np.ndarray) or not found.flags.writeable else found
 
 
-SHORT: Final[Mapping[str, str]] = MappingProxyType(
-    {"area": "real_contact_area", "force": "friction_force", "count": "junction_count"}
-)
+SHORT: Final[Mapping[str, str]] = {
+    "area": "real_contact_area",
+    "force": "friction_force",
+    "count": "junction_count",
+}
 """Columns by the words that pictures have for them."""
 
-OF_THE_TRACE: Final = ("real_contact_area", "junction_count", "distance")
-OF_THE_MOTION: Final = ("friction_force", "time", "displacement", "velocity")
+_OF_THE_TRACE: Final = ("real_contact_area", "junction_count", "distance")
+_OF_THE_MOTION: Final = ("friction_force", "time", "displacement", "velocity")
 """Columns that need no group, though others have columns of that name: of /trace, and of /slider where there is one."""
 
-ELSEWHERE: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "to_dataframe": "run.to_pandas()",
-        "to_df": "run.to_pandas()",
-        "describe": "run.summary",
-        "head": "run.trace.head()",
-        "speed": "run.scenario.sliding.speed",
-        "seed": 'run.provenance["seed"]',
-        "x": "run.displacement",
-    }
-)
-"""Right calls for words that other programs have."""
-
-MAIN: Final = ("junctions", "trace", "slider", "load")
+_MAIN: Final = ("junctions", "trace", "slider", "load")
 """The groups in which a name is looked for first: their rows are the run, those of others are about it."""
 
 
-def column_alone(groups: Mapping[str, Columns], name: str) -> Column | None:
-    """Return the column that a run means by a name without a group; None if there is none, or more than one."""
+def homes_of(groups: Mapping[str, Columns], name: str) -> list[str]:
+    """Return the groups whose column a run may mean by a name alone: one, if the name needs no group."""
     name = SHORT.get(name, name)
-    homes = _homes_of(groups, name)
-    if name in OF_THE_TRACE:
-        homes = [group for group in homes if group == "trace"]
-    elif name in OF_THE_MOTION:
-        homes = [group for group in homes if group == "slider"] or [group for group in homes if group == "trace"]
-    return groups[homes[0]][name] if len(homes) == 1 else None
-
-
-def _homes_of(groups: Mapping[str, Columns], name: str) -> list[str]:
-    """Return the groups in which a column stands, of the main ones if it stands in any of them."""
     homes = [group for group in groups if name in groups[group]]
-    return [group for group in homes if group in MAIN] or homes
-
-
-def no_column(groups: Mapping[str, Columns], name: str, names: Sequence[str]) -> str:
-    """Return why a run has nothing under a name, and what is near."""
-    homes = _homes_of(groups, SHORT.get(name, name))
-    if homes:
-        return f"{name} stands in {' and '.join(homes)}; run.{homes[0]}.{SHORT.get(name, name)} is one of them"
-    if name in ELSEWHERE:
-        return f"a run has no {name!r}; right form: {ELSEWHERE[name]}"
-    near = get_close_matches(name, names, n=3)
-    return f"a run has no {name!r}; " + (f"near are {', '.join(near)}" if near else f"it has {', '.join(names)}")
+    if name in (*_OF_THE_TRACE, *_OF_THE_MOTION):
+        first = ("slider", "trace") if name in _OF_THE_MOTION else ("trace",)
+        return [group for group in first if group in homes][:1]
+    return [group for group in homes if group in _MAIN] or homes
 
 
 def names_alone(groups: Mapping[str, Columns]) -> set[str]:
     """Return the names by which a run has a column without its group."""
     names = {*SHORT, *(name for columns in groups.values() for name in columns)}
-    return {name for name in names if column_alone(groups, name) is not None}
+    return {name for name in names if len(homes_of(groups, name)) == 1}
 
 
 def group_rows(groups: Mapping[str, Columns]) -> list[tuple[str, str, str]]:

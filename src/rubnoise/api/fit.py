@@ -128,16 +128,9 @@ class Inference(inference.InferenceResult):
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """Return each estimate by its name: value, standard error, both ends of the 95 % interval, unit."""
-        return {
-            name: {
-                "value": each.value,
-                "standard_error": each.standard_error,
-                "low": each.interval[0],
-                "high": each.interval[1],
-                "unit": each.unit,
-            }
-            for name, each in self.estimates.items()
-        }
+        names = ("value", "standard_error", "low", "high", "unit")
+        found = {name: (e.value, e.standard_error, *e.interval, e.unit) for name, e in self.estimates.items()}
+        return {name: dict(zip(names, values, strict=True)) for name, values in found.items()}
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return the estimates as a DataFrame whose index is the quantity; else raises ExtraMissing."""

@@ -22,7 +22,8 @@ from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, infer_sign
 from rubnoise.inference.signal import Signal, clipped, digits, joined
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_numbers, with_unit
-from rubnoise.record.sink import Columns
+from rubnoise.record.reader import MemoryRecord
+from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
 from rubnoise.storage.measured import LARGEST_VALUE, Asked, Head, Source, measured
@@ -249,18 +250,6 @@ def _masked(mask: list[float], speed: float | None, along: str, tick: float) -> 
     return tuple(((1.0 - _MASK) * each / velocity, (1.0 + _MASK) * each / velocity) for each in mask)
 
 
-class _KeptColumn:
-    """Keeps one column of a run in memory."""
-
-    def __init__(self, name: str, rows: int) -> None:
-        self.name, self.values = name, np.empty(rows)
-
-    def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Keep rows of the trace (see Sink)."""
-        if group == "trace":
-            self.values[first_row : first_row + columns[self.name].size] = columns[self.name]
-
-
 def _bootstrapped(found: Inference, count: int, asked: dict[str, Any]) -> dict[str, Estimate]:
     """Return mean, standard deviation and middle 95 % of the estimates of traces simulated from those found."""
     samples: dict[str, list[float]] = {}
@@ -305,11 +294,12 @@ def _simulated(found: Inference, seed: int) -> Doubles:
         tick_count=rows - 1,
         pulse=fit.problem.pulse,
     )
-    sink = _KeptColumn("friction_force", rows)
-    simulate(model, seed, sink, engine="batch")
+    record = MemoryRecord(extent(model, seed))
+    simulate(model, seed, record, engine="batch")
+    force = fit.problem.sensor.filtered(record["trace"]["friction_force"])
     scale = float(signal.values.std())
     noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.place.noise)
-    return scale * (contact.strength / tick**2 * fit.problem.sensor.filtered(sink.values) + noise)
+    return scale * (contact.strength / tick**2 * force + noise)
 
 
 _WIDEST: Final = 3.0

@@ -5,25 +5,19 @@ from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from copy import deepcopy
 from dataclasses import replace
+from difflib import get_close_matches
 from functools import cached_property
 from math import inf
 from numbers import Real
 from operator import index
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
 from rubnoise.analysis.findings import from_attributes
 from rubnoise.answer import Answer, Row
-from rubnoise.api.column_group import (
-    Columns,
-    column_alone,
-    columns_by_group,
-    group_rows,
-    names_alone,
-    no_column,
-)
+from rubnoise.api.column_group import SHORT, Columns, columns_by_group, group_rows, homes_of, names_alone
 from rubnoise.api.columns import with_units
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import shown
@@ -73,6 +67,10 @@ class Summary(list[Row]):
     def to_pandas(self) -> "pd.DataFrame":
         """Return the figures as a pandas DataFrame whose index is their name; raises ExtraMissing without pandas."""
         return self._answer().to_pandas().set_index("name")
+
+
+_WORDS: Final = {"to_dataframe": "run.to_pandas()", "describe": "run.summary"}
+"""What a run has for words of pandas."""
 
 
 class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
@@ -185,13 +183,16 @@ class Run:
             return groups[name]
         if any(name == group.name for group in schema.GROUPS):
             raise NoGroup(f"the run has no {name}; it has {', '.join(groups)}", name=name, obj=self)
-        found = column_alone(groups, name)
-        if found is None and name == "time" and (duration := self.model().tick_duration):
+        homes = homes_of(groups, name)
+        if len(homes) == 1:
+            return groups[homes[0]][SHORT.get(name, name)]
+        if name == "time" and (duration := self.model().tick_duration):
             steps = np.arange(len(self.trace)) * duration
-            found = with_units(steps, "time", "s", "time, the sliding distance over the speed")
-        if found is None:
-            raise NoGroup(no_column(groups, name, self.names), name=name, obj=self)
-        return found
+            return with_units(steps, "time", "s", "time, the sliding distance over the speed")
+        if homes:
+            raise NoGroup(f"{name} stands in {' and '.join(homes)}; run.{homes[0]}.{name} is one", name=name, obj=self)
+        near = _WORDS.get(name) or ", ".join(get_close_matches(name, self.names) or self.names)
+        raise NoGroup(f"a run has no {name!r}; it has {near}", name=name, obj=self)
 
     def __getitem__(self, name: str) -> Any:
         """Return what the run has under a name: a group, a column or a figure such as ``run["scenario"]``."""

@@ -19,7 +19,7 @@ from rubnoise.scenario.document import SECTIONS, TOP, Document
 from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
-from rubnoise.scenario.scenario import AREA_KEYS, Scenario, sized
+from rubnoise.scenario.scenario import Scenario, sized
 from rubnoise.scenario.sweep_keys import SWEEP
 from rubnoise.scenario.text import Problem, in_order, report
 from rubnoise.units import Quantity, Unfit
@@ -213,6 +213,7 @@ def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
         else:
             values.setdefault(key, {})
             changed |= {(key, inner): each for inner, each in value.items()}
+    above: dict[str, Any] = {}
     for (table, key), value in changed.items():
         inside = values
         if table:
@@ -223,29 +224,17 @@ def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
         if value is None:
             inside.pop(key, None)
             continue
+        (above.setdefault(table, {}) if table else above)[key] = value
         for other in EITHER.get((table, key), ()):
             if (table, other) not in changed:
                 inside.pop(other, None)
         inside[key] = value
-    _keep_two_of_three(values, changed)
     given = layers.from_values(values, "<python>")
+    given = replace(given, sources=(given.main, layers.from_values(above, "<python>").main))
     # A quantity that is changed needs a unit, as in a file.
     without_unit = keys.without_unit(given, changed.keys())
     made = checked(given, from_python=True, more=without_unit)
     return replace(made, text=made.to_toml())
-
-
-def _keep_two_of_three(values: dict[str, Any], changed: Mapping[tuple[str, str], Any]) -> None:
-    """Take away the area that a new mean diameter replaces beside a count, or the mean that a new area replaces."""
-    interface, diameter = (values.get(name) for name in ("interface", "diameter"))
-    if not isinstance(interface, dict) or not isinstance(diameter, dict) or "mean_junction_count" not in interface:
-        return
-    new = [key for key in AREA_KEYS if ("interface", key) in changed]
-    if ("diameter", "mean") in changed and not new:
-        for key in (*AREA_KEYS, "calibration"):
-            interface.pop(key, None)
-    elif new and ("diameter", "mean") not in changed:
-        diameter.pop("mean", None)
 
 
 def in_full(changes: Sequence[str]) -> tuple[str, ...]:
