@@ -1,5 +1,7 @@
 """What a run needs and what the machine has left."""
 
+import os
+import resource
 import subprocess
 import sys
 from math import sqrt
@@ -19,6 +21,7 @@ from rubnoise.storage.forecast import (
     counted,
     expected,
     free_memory_bytes,
+    memory_in_use,
     together,
 )
 from tests.unit.scenarios import BARE, WHOLE
@@ -120,7 +123,7 @@ def test_a_two_way_run_has_no_more_rows_than_are_told(speed: str, count: float) 
 
 def test_memory_is_refused_with_the_count_or_the_engine_named(monkeypatch: pytest.MonkeyPatch) -> None:
     events, batch = (_with(BARE, *DENSE, f"run.engine={engine}") for engine in ("events", "batch"))
-    more = expected(batch).working_bytes + 10**7
+    more = expected(batch).more_bytes + 10**7
     _with_room(monkeypatch, memory=more)
     check_disk_space(batch, expected(batch), "run.h5")
     assert 'run.engine = "batch"' in _refusal(events, expected(events))
@@ -179,12 +182,49 @@ def test_as_many_runs_at_once_as_memory_holds_are_told(tmp_path: Path, monkeypat
 
 # What a machine has left, read from the files in which its system tells it.
 MEMORY = "MemTotal:        8000 kB\nMemFree:         1000 kB\nMemAvailable:    5000 kB\nHugePages_Total:       0\n"
+PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
-@pytest.mark.parametrize(
-    ("limit", "left"), [("", 5000 * 1024), ("max\n", 5000 * 1024), ("3000000\n", 3_000_000), ("9000000\n", 5000 * 1024)]
-)
-def test_memory_is_what_machine_and_container_leave(monkeypatch: pytest.MonkeyPatch, limit: str, left: int) -> None:
-    texts = {"/proc/meminfo": MEMORY, "/sys/fs/cgroup/memory.max": limit}
-    monkeypatch.setattr(forecast, "_text", texts.__getitem__)
-    assert free_memory_bytes() == left
+@pytest.fixture
+def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the root of a machine with 5000 kB available, of which the process holds 700 pages, and no limit."""
+    _write(tmp_path, "proc/meminfo", MEMORY)
+    _write(tmp_path, "proc/self/statm", "3000 700 300 2 0 900 0\n")
+    monkeypatch.setattr(forecast, "ROOT", tmp_path)
+    _limited(monkeypatch)
+    return tmp_path
+
+
+def _write(root: Path, name: str, text: str) -> None:
+    (root / name).parent.mkdir(parents=True, exist_ok=True)
+    (root / name).write_text(text, encoding="utf-8")
+
+
+def _limited(monkeypatch: pytest.MonkeyPatch, **limits: int) -> None:
+    def getrlimit(which: int) -> tuple[int, int]:
+        told = {getattr(resource, name): limit for name, limit in limits.items()}
+        return told.get(which, resource.RLIM_INFINITY), resource.RLIM_INFINITY
+
+    monkeypatch.setattr(resource, "getrlimit", getrlimit)
+
+
+def test_without_limits_it_is_what_the_machine_has_available(machine: Path) -> None:
+    assert free_memory_bytes() == 5000 * 1024
+    assert memory_in_use() == 700 * PAGE
+
+
+def test_the_address_space_may_be_limited(machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _limited(monkeypatch, RLIMIT_AS=3_100 * PAGE)
+    assert free_memory_bytes() == 100 * PAGE
+    _limited(monkeypatch, RLIMIT_AS=2_000 * PAGE)
+    assert free_memory_bytes() == 0
+
+
+@pytest.mark.parametrize("group", ["/job", "/job/inner", "/named/from/outside"])
+def test_the_groups_around_a_process_limit_its_memory(machine: Path, group: str) -> None:
+    """A container that is named from outside has its limit at the root."""
+    _write(machine, "proc/self/cgroup", f"0::{group}\n")
+    folder = "sys/fs/cgroup/" + ("" if "outside" in group else "job/")
+    for text, left in (("max", 5000 * 1024), ("3000000", 3_000_000 - 700 * PAGE), ("1000000", 0)):
+        _write(machine, f"{folder}memory.max", f"{text}\n")
+        assert free_memory_bytes() == left

@@ -3,11 +3,12 @@
 import os
 import resource
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import ceil, floor
-from pathlib import Path
+from mmap import PAGESIZE
+from pathlib import Path, PurePosixPath
 from typing import Final, cast
 
 from rubnoise.errors import OutputRefused, Refused
@@ -22,6 +23,9 @@ from rubnoise.theory.motion import response
 
 FAR: Final = 10.0
 """Standard deviations beyond which nothing is taken to lie."""
+
+ROOT = Path("/")
+"""Where the files are in which Linux says what memory there is."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,8 +47,13 @@ class Budget:
 
     @property
     def peak_bytes(self) -> int:
-        """About the peak memory of a process in bytes."""
-        return PROGRAM_BYTES + self.working_bytes
+        """About the peak memory of a process in bytes; for this process, with what it holds already."""
+        return memory_in_use() + self.more_bytes
+
+    @property
+    def more_bytes(self) -> int:
+        """About how many bytes this process would use beyond what it holds already."""
+        return max(PROGRAM_BYTES - memory_in_use(), 0) + self.working_bytes
 
 
 def counted(scenario: Scenario) -> Budget:
@@ -114,7 +123,7 @@ def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> 
 
     Raises Refused, with the keys to change named.
     """
-    room, more = free_memory_bytes(), budget.working_bytes + kept_bytes
+    room, more = free_memory_bytes(), budget.more_bytes + kept_bytes
     if room is None or more <= room:
         return
     remedy = "make interface.mean_junction_count smaller"
@@ -218,19 +227,44 @@ def free_disk_bytes(path: str | os.PathLike[str]) -> int:
     return room if most == resource.RLIM_INFINITY else min(room, most)
 
 
+def memory_in_use() -> int:
+    """Return the bytes of memory that this process holds, or 0 if the system does not say."""
+    return _pages()[1] * PAGESIZE
+
+
 def free_memory_bytes() -> int | None:
-    """Return how many bytes of memory there are for this process, or None if the system does not say.
+    """Return how many more bytes of memory this process may use, or None if that is unknown.
 
-    The least of what the machine has available and of what a container around this process permits.
+    The least of what the machine has available, and what the limits of containers and of `ulimit -v` leave beside
+    what this process holds.
     """
-    _, _, available = _text("/proc/meminfo").partition("MemAvailable:")
-    limit = _text("/sys/fs/cgroup/memory.max").strip()
-    found = [int(available.split(maxsplit=1)[0]) * 1024] if available else []
-    found += [int(limit)] if limit.isdecimal() else []
-    return min(found, default=None)
+    address_space, held = (pages * PAGESIZE for pages in _pages())
+    left = [limit - held for limit in _group_limits()]
+    if (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
+        left.append(limit - address_space)
+    _, _, available = _text("proc/meminfo").partition("MemAvailable:")
+    if available:
+        left.append(int(available.split(maxsplit=1)[0]) * 1024)
+    elif "SC_PHYS_PAGES" in os.sysconf_names:
+        left.append(os.sysconf("SC_PHYS_PAGES") * PAGESIZE)
+    return max(min(left), 0) if left else None
 
 
-def _text(name: str) -> str:
+def _group_limits() -> Iterator[int]:
+    """Yield the memory limits of the control groups around this process, which containers and batch queues set."""
+    # Inside a container the name may belong to the host's tree: folders that are missing say nothing.
+    inner = PurePosixPath(_text("proc/self/cgroup").partition("0::/")[2].strip())
+    texts = (_text(PurePosixPath("sys/fs/cgroup", each, "memory.max")).strip() for each in (inner, *inner.parents))
+    yield from (int(text) for text in texts if text.isdecimal())
+
+
+def _pages() -> tuple[int, int]:
+    """Return how many pages the address space of this process has, and how many of them are in memory."""
+    pages = _text("proc/self/statm").split()
+    return (int(pages[0]), int(pages[1])) if pages else (0, 0)
+
+
+def _text(name: str | PurePosixPath) -> str:
     with suppress(OSError):
-        return Path(name).read_text(encoding="utf-8", errors="replace")
+        return (ROOT / name).read_text(encoding="utf-8", errors="replace")
     return ""
