@@ -1,6 +1,6 @@
 """The columns of one group of a result, by name."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -100,12 +100,26 @@ class Columns(Table, dict[str, Column]):
     def __contains__(self, name: object) -> bool:
         return name in self._columns
 
-    keys, values, items, get = Mapping.keys, Mapping.values, Mapping.items, Mapping.get  # type: ignore[assignment]
-
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the columns, first the one that the others depend on."""
         return tuple(self._columns)
+
+    def keys(self) -> Iterable[str]:  # type: ignore[override]
+        """Return the names, so that ``dict(run.trace)`` is a dictionary of columns."""
+        return self.names
+
+    def values(self) -> Iterable[Column]:  # type: ignore[override]
+        """Return the columns, each read when its turn comes."""
+        return (self[name] for name in self.names)
+
+    def items(self) -> Iterable[tuple[str, Column]]:  # type: ignore[override]
+        """Return names and columns."""
+        return ((name, self[name]) for name in self.names)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a column, or the default if there is none of that name."""
+        return self[name] if name in self else default  # noqa: SIM401  (get is what is defined here)
 
     def head(self, rows: int = 5) -> "pd.DataFrame":
         """Return the first rows as a pandas DataFrame; raises ExtraMissing without pandas."""
