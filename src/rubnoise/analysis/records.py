@@ -117,7 +117,8 @@ class CovarianceSum:
         row = np.concatenate([self._tail, values - self._centre])
         for place, lag in enumerate(self._lags.tolist()):
             begin = max(self._tail.size, lag)
-            self._products[place] += row[begin:] @ row[begin - lag : max(row.size - lag, 0)]
+            # Not by BLAS, whose sums depend on the number of its threads.
+            self._products[place] += np.add.reduce(row[begin:] * row[begin - lag : max(row.size - lag, 0)])
         if self._head.size < self._reach:
             self._head = np.append(self._head, row[self._tail.size :])[: self._reach]
         self._count += values.size
