@@ -42,7 +42,7 @@ def scores(values: Any, edges: Any, law: Any) -> Any:
     return (counts - values.size * law)[error > 3.0] / error[error > 3.0]
 
 
-@pytest.mark.slow("gamma")
+@pytest.mark.slow("gamma", "off the centre")
 def test_histograms_are_those_of_the_laws_and_not_of_others(stretch: Stretch) -> None:
     sizes, model = born(stretch, "diameter"), stretch.model
     lives = born(stretch, "death_distance") - born(stretch, "birth_distance")

@@ -149,6 +149,7 @@ def each_block_alone(monkeypatch):
 
 @pytest.mark.usefixtures("each_block_alone")
 @pytest.mark.parametrize("name", GOLDEN)
+@pytest.mark.slow("dense")
 def test_how_many_blocks_and_junctions_there_are(name):
     run, expected = GOLDEN[name]
     _, state = run_to_end(run)
@@ -157,6 +158,7 @@ def test_how_many_blocks_and_junctions_there_are(name):
 
 @pytest.mark.usefixtures("each_block_alone")
 @pytest.mark.parametrize("name", GOLDEN)
+@pytest.mark.slow("dense")
 def test_an_observer_hears_of_each_birth_mid_life_and_death_within_the_run(name):
     run, _ = GOLDEN[name]
     told = {"birth": [], "mid_life": [], "death": []}

@@ -191,6 +191,7 @@ def test_the_table_gives_any_area_by_interpolation(tmp_path: Path) -> None:
     assert area.max() == pytest.approx(np.pi / 4.0)
 
 
+@pytest.mark.slow
 def test_figure_5_over_200_mm() -> None:
     scenario = load(
         ROOT / "scenarios" / "paper" / "fig5.toml",

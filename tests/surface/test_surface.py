@@ -227,6 +227,7 @@ def _keys(text):
     return tomllib.loads(text)
 
 
+@pytest.mark.slow
 def test_the_gap_of_two_maps_under_a_load_is_that_of_first_order():
     """The maps slid at constant load by brute force judge the spectra, which are quieter than the scenario."""
     track, slider = (synthetic(seed, points=1024, rolloff="128 um", cutoff="16 um") for seed in (1, 2))
@@ -351,6 +352,7 @@ class TestCommand:
         assert "data:audio/wav" in (folder / "s.html").read_text(encoding="utf-8")
         assert call("check", "s.toml").code == 0
 
+    @pytest.mark.slow
     def test_levels_of_the_surfaces_stand_beside_those_of_the_scenario(self, folder):
         asked = ("surface", "1.nc", "2.nc", "--cutoff", "8um", "--load", "2N", "--hardness", "1GPa")
         moving = ("--speed", "30 mm/s", "--mass", "0.2 kg", "--damping-ratio", "0.3", "-o", "s.toml")

@@ -154,6 +154,7 @@ def passage_score(rows: Doubles, tick_duration: float, at: float, expected: floa
     return float((rates.mean() - expected) / (rates.std(ddof=1) / np.sqrt(rows.shape[0])))
 
 
+@pytest.mark.slow
 def test_passages_of_a_simulated_slider(slid: tuple[Model, Doubles]) -> None:
     model, rows = slid
     motion = response(model)
