@@ -58,7 +58,6 @@ def test_parabolas_are_read_and_told_from_lenses() -> None:
     assert unlike.worse_by < -BOUND * unlike.error
 
 
-@pytest.mark.slow
 def test_both_shapes_are_fitted_and_what_is_not_decided_is_said() -> None:
     """Parabolas of Rayleigh's sizes are what rough surfaces have; read as lenses they are more, and weaker."""
     unchosen = Assumed(shape_chosen=False)

@@ -149,7 +149,6 @@ def each_block_alone(monkeypatch):
 
 @pytest.mark.usefixtures("each_block_alone")
 @pytest.mark.parametrize("name", GOLDEN)
-@pytest.mark.slow("dense")
 def test_how_many_blocks_and_junctions_there_are(name):
     run, expected = GOLDEN[name]
     _, state = run_to_end(run)

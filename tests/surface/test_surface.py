@@ -227,7 +227,6 @@ def _keys(text):
     return tomllib.loads(text)
 
 
-@pytest.mark.slow
 def test_the_gap_of_two_maps_under_a_load_is_that_of_first_order():
     """The maps slid at constant load by brute force judge the spectra, which are quieter than the scenario."""
     track, slider = (synthetic(seed, points=1024, rolloff="128 um", cutoff="16 um") for seed in (1, 2))
