@@ -118,14 +118,14 @@ def _band_tail(model: Model, band: Band, of_sizes: Tail, length: float) -> Tail:
     return Tail(skewness=max(of_sizes.skewness, band.skewness), needed=needed)
 
 
-def _stretch(seen: MeasuredRun, fine: str = "") -> tuple[Model, Model, float]:
+def _stretch(seen: MeasuredRun, wanted: str = "") -> tuple[Model, Model, float]:
     """Return the model, that of the stationary part of the trace, and the length of this in um.
 
-    Raises Refused where births and ticks do not suit an error that is for ``fine`` ticks.
+    ``wanted`` names an error that is known for births at random and fine ticks alone; raises Refused without these.
     """
     model, ticks = seen.model, seen.ticks()
-    if fine:
-        need_random_births(model, fine)
+    if wanted:
+        need_random_births(model, wanted)
         if model.mean_life_distance < FEWEST_TICKS_A_LIFE * model.tick:
             raise Refused(f"ticks are too wide for it; it needs {FEWEST_TICKS_A_LIFE} to a mean life")
     return model, over_ticks(model, ticks, model.tick), ticks * model.tick

@@ -48,7 +48,7 @@ def _lasting(rows: Rows, begin: float, end: float, most: int | None, begins: int
     at = np.flatnonzero(kind == begins)
     whole = at[(at > 0) & (at + 1 < kind.size)]
     until = np.append(time, end)[at + 1]
-    durations = time[whole + 1] - time[whole] if whole.size else np.empty(0)
+    durations = time[whole + 1] - time[whole]
     return _Lasting(first=first, last=last, begin=np.maximum(time[at], begin), end=until, times=durations)
 
 

@@ -189,7 +189,7 @@ class Run:
         if name == "time" and (duration := self.model().tick_duration):
             steps = np.arange(len(self.trace)) * duration
             return with_units(steps, "time", "s", "time, the sliding distance over the speed")
-        if homes:
+        if homes := [group for group in groups if name in groups[group]]:
             raise NoGroup(f"{name} stands in {' and '.join(homes)}; run.{homes[0]}.{name} is one", name=name, obj=self)
         near = _WORDS.get(name) or ", ".join(get_close_matches(name, self.names) or self.names)
         raise NoGroup(f"a run has no {name!r}; it has {near}", name=name, obj=self)

@@ -300,7 +300,7 @@ def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figu
             _draw_exact(axes, places, line, study, shift)
     _label(axes, study)
     _legend(axes, study)
-    shown = f"{FIGURE_NAMES[study.quantity].words} over {key_words(study.key)}".replace("\n", " ")
+    shown = f"{quantity_words(study.quantity)} over {key_words(study.key)}"
     name = shortened(study.title)
     put_title(figure, shown[0].upper() + shown[1:], f"sweep {name}" if name else "")
     return figure
