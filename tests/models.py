@@ -25,8 +25,7 @@ from rubnoise.contact.pulses import LENS, PULSES, Pulse
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.sink import Extent
-from rubnoise.simulation.draws import draw_block, past, start
-from rubnoise.simulation.extent import extent
+from rubnoise.simulation.draws import draw_block, extent, past, start
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.two_way import TwoWayMotion

@@ -21,7 +21,7 @@ from rubnoise.analysis.findings import FAMILY_WISE_ERROR, Comparison  # noqa: E4
 from rubnoise.model import Model  # noqa: E402
 from rubnoise.record.reader import MemoryRecord  # noqa: E402
 from rubnoise.scenario import loads  # noqa: E402
-from rubnoise.simulation.extent import extent  # noqa: E402
+from rubnoise.simulation.draws import extent  # noqa: E402
 from rubnoise.simulation.run import simulate  # noqa: E402
 
 Cases = dict[str, tuple[str, ...]]

@@ -17,6 +17,7 @@ SOURCES = (
     "compiling.py",
     "contact/pulses.py",
     "record/rows.py",
+    "simulation/cell_moments.py",
     "simulation/force_cells.py",
     "simulation/free/*.py",
     "simulation/kernel.py",

@@ -59,10 +59,8 @@ def as_html(heading: str, names: Sequence[str], rows: Iterable[Sequence[object]]
         "<tr>" + "".join(f'<td style="text-align:left">{escape(str(cell))}</td>' for cell in row) + "</tr>"
         for row in rows
     )
-    below = f"<div>{escape(note)}</div>" if note else ""
-    return (
-        f"<div><b>{escape(heading)}</b></div><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{below}"
-    )
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f"<div><b>{escape(heading)}</b></div>{table}" + (f"<div>{escape(note)}</div>" if note else "")
 
 
 def as_text(

@@ -10,7 +10,7 @@ from rubnoise.contact.laws import LAWS
 from rubnoise.inference.signal import Signal
 from rubnoise.model import Model
 from rubnoise.record.reader import MemoryRecord
-from rubnoise.simulation.extent import extent
+from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened
 from rubnoise.storage.measured import Asked, Source, measured

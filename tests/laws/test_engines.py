@@ -18,7 +18,7 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build
 from rubnoise.simulation import draws, ticks
-from rubnoise.simulation.extent import Engine
+from rubnoise.simulation.draws import Engine
 from rubnoise.simulation.intervention import LiveJunctions
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.state import LiveRows

@@ -14,7 +14,7 @@ from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
 from rubnoise.scenario.sweep import Case, points_of
-from rubnoise.simulation.extent import Engine
+from rubnoise.simulation.draws import Engine
 from rubnoise.simulation.run import simulate
 from tests.architecture.sources import ROOT
 from tests.models import UNEQUAL, contents, model, recorded, run_to_end

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import xxhash
 
-from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Lognormal, Normal, Power, Weibull
+from rubnoise.contact.distributions import Fixed, Gamma, Lognormal, Normal, Power, Weibull
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import OFF_CENTRE_LENS, TRIANGLE
 from rubnoise.model import Model, Slider
-from rubnoise.simulation.extent import Engine
+from rubnoise.simulation.draws import Engine
 from rubnoise.streams import STREAM_VERSION, Stream, uniforms
 from tests.models import UNEQUAL, model, recorded
 
@@ -31,7 +31,7 @@ SIZES = (
     Normal(centre=1.0, std=3.0),
     Lognormal(mean=5.53, std=1.1),
     Lognormal(mean=1.0, std=3.0),
-    Exponential(mean=5.53),
+    Weibull(mean=5.53, std=5.53),
     Gamma(mean=5.53, std=1.1),
     Gamma(mean=1.0, std=3.0),
     Weibull(mean=5.53, std=1.1),

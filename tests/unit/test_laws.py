@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.special import gammainc, ndtr
 
-from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Lognormal, Normal, Power, Weibull
+from rubnoise.contact.distributions import Fixed, Gamma, Lognormal, Normal, Power, Weibull
 from rubnoise.contact.laws import LAWS, Spread, law_for
 from tests.frozen import frozen
 from tests.laws.scores import seed_of
@@ -94,10 +94,9 @@ def _lognormal(law: Lognormal) -> Textbook:
     )
 
 
-def _gamma(law: Gamma | Exponential) -> Textbook:
-    std = law.std if isinstance(law, Gamma) else law.mean
-    order = (law.mean / std) ** 2
-    shape = (mpmath.mpf(law.mean) / std) ** 2
+def _gamma(law: Gamma) -> Textbook:
+    order = (law.mean / law.std) ** 2
+    shape = (mpmath.mpf(law.mean) / law.std) ** 2
     scale = mpmath.mpf(law.mean) / shape
     return Textbook(
         density=lambda x: (x / scale) ** (shape - 1) * mpmath.exp(-x / scale) / (mpmath.gamma(shape) * scale),
@@ -154,7 +153,6 @@ def _power(law: Power) -> Textbook:
 _BOOKS: dict[type, Callable[[Any], Textbook]] = {
     Normal: _normal,
     Lognormal: _lognormal,
-    Exponential: _gamma,
     Gamma: _gamma,
     Weibull: _weibull,
     Power: _power,
@@ -166,7 +164,7 @@ COUNT = 100_000
 CASES = [
     *(Normal(centre=c, std=s) for c, s in [(5.53, 0.2), (1.0, 1.0), (0.4, 2.0), (250.0, 1000.0)]),
     *(Lognormal(mean=5.53, std=5.53 * cv) for cv in (0.05, 0.3, 1.0, 3.0)),
-    Exponential(mean=5.53),
+    Gamma(mean=5.53, std=5.53),
     *(Gamma(mean=5.53, std=5.53 * cv) for cv in (0.05, 0.3, 1.0, 3.0)),
     *(Weibull(mean=250.0, std=250.0 * cv) for cv in (0.1, 0.2, 1.0, 2.0, 3.0)),
     *(Power(exponent=a, smallest=2.0, largest=20.0) for a in (-1.5, 1.0, 2.0, 2.5, 9.0)),

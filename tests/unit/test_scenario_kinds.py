@@ -6,7 +6,7 @@ import pytest
 
 import rubnoise
 from rubnoise.contact.births import BIRTHS
-from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Power, Weibull
+from rubnoise.contact.distributions import Fixed, Gamma, Law, Lognormal, Normal, Power, Weibull
 from rubnoise.contact.laws import Spread, law_for
 from rubnoise.scenario import build, loads
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
@@ -35,7 +35,7 @@ def test_a_size_law_has_the_calibrated_diameter_and_its_spread(
 
 def test_exponential_sizes_need_no_spread() -> None:
     model = loads(BARE + '[diameter]\nlaw = "exponential"\n', overrides=["interface.calibration=exact"]).model()
-    assert model.sizes == Exponential(mean=model.calibrated_diameter)
+    assert model.sizes == Weibull(mean=model.calibrated_diameter, std=model.calibrated_diameter)
     assert model.stationary_mean_area == pytest.approx(6.0 * 200.0, rel=1e-14)
 
 

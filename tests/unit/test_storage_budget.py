@@ -12,7 +12,7 @@ import pytest
 from rubnoise.api.running import run, simulate
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario import Scenario, loads
-from rubnoise.simulation.extent import PROGRAM_BYTES
+from rubnoise.simulation.draws import PROGRAM_BYTES
 from rubnoise.storage import forecast
 from rubnoise.storage.forecast import (
     Budget,

@@ -11,7 +11,7 @@ from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.moments import FEWEST_LIVES, missing_for_motion
 from rubnoise.answer import Row
-from rubnoise.contact.distributions import Exponential, Gamma, Lognormal
+from rubnoise.contact.distributions import Gamma, Lognormal, Weibull
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
@@ -177,7 +177,7 @@ def births(model: Model) -> float:
 
 def test_exponential_sizes_have_the_skewness_of_their_moments() -> None:
     """E[d^n] = n!; what is too rare for the record to hold is 1e-5 of a junction, and takes little from the third."""
-    model = model_of(Exponential(mean=5.0), 5.0)
+    model = model_of(Weibull(mean=5.0, std=5.0), 5.0)
     assert findings.tail_of(model, LENGTH, 1).skewness == pytest.approx(6.0 / 2.0**1.5 / births(model) ** 0.5, rel=0.01)
 
 

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Law, Lognormal
+from rubnoise.contact.distributions import Fixed, Gamma, Law, Lognormal, Weibull
 from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
@@ -100,7 +100,7 @@ def test_four_moments_by_the_distribution_function(count: float, spread: str) ->
     [
         Lognormal(mean=MEAN, std=0.3 * MEAN),
         Gamma(mean=MEAN, std=0.5 * MEAN),
-        Exponential(mean=MEAN),
+        Weibull(mean=MEAN, std=MEAN),
         Lognormal(mean=MEAN, std=MEAN),
     ],
     ids=["lognormal", "gamma", "exponential", "wide lognormal"],

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import struve
 
-from rubnoise.contact.distributions import Exponential, Normal
+from rubnoise.contact.distributions import Normal, Weibull
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.coupling import force_slope_std
@@ -207,7 +207,7 @@ SLOPES = {
     "regular of many sizes": regular(20.0, 0.5),
     "regular triangles": regular(3.0, pulse=TRIANGLE),
     "regular triangles of many sizes": regular(2.5, 0.8, pulse=TRIANGLE),
-    "regular exponential": regular(20.0, sizes=Exponential(mean=5.53)),
+    "regular exponential": regular(20.0, sizes=Weibull(mean=5.53, std=5.53)),
     "regular of unequal strengths": replace(regular(20.0, 0.5), strengths=UNEQUAL),
 }
 

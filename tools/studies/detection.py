@@ -27,7 +27,7 @@ from rubnoise.contact.laws import Spread, law_for
 from rubnoise.model import Model
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.scenario import load
-from rubnoise.simulation.extent import extent
+from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import Response, response

@@ -25,7 +25,7 @@ from rubnoise.analysis.findings import normal_deviate
 from rubnoise.model import Model, Separation
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.rows import ContactKind
-from rubnoise.simulation.extent import extent
+from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.coupling import level as decibels
 from tests.models import bouncing

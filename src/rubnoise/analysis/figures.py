@@ -52,11 +52,6 @@ class Span:
     length: float
     holds_start: bool = False
 
-    @classmethod
-    def after_start(cls, model: Model, ticks: int) -> "Span":
-        """Return a stationary span of a run, of a number of ticks."""
-        return cls(over_ticks(model, max(ticks, 2), model.tick), ticks * model.tick)
-
 
 Errors = Callable[[Span], dict[str, float]]
 """Returns standard errors over a span, by moment."""
@@ -248,7 +243,7 @@ def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Row]:
         found = seen.moments.get(figure.column)
         if figure.powers is None or figure.column not in columns or found is None or not found.count:
             continue
-        span = Span.after_start(model, found.count)
+        span = Span(over_ticks(model, max(found.count, 2), model.tick), found.count * model.tick)
         errors, length = _errors(figure.errors, span), span.length
         if figure.error not in errors:
             continue

@@ -129,10 +129,6 @@ class Life:
         """Return the area in um^2 at sliding distances after birth, 0 to the life distance."""
         return area_of(self.pulse, age, self.diameter, self.lateral_offset)
 
-    def force_at_age(self, age: ArrayLike) -> Doubles | None:
-        """Return the friction force in uN at sliding distances after birth: strength times area (paper Eq. 1)."""
-        return None if self.shear_strength is None else self.shear_strength * self.area_at_age(age)
-
     def curve(self) -> dict[str, Doubles]:
         """Return distance, time, area and force (those that the run has) from birth to death, mid-life included."""
         age = _ages(self.half_life, self.life_distance)
@@ -141,7 +137,7 @@ class Life:
             "distance": distance,
             "time": self.time(distance),
             "area": self.area_at_age(age),
-            "force": self.force_at_age(age),
+            "force": None if self.shear_strength is None else self.shear_strength * self.area_at_age(age),
         }
         return {name: values for name, values in columns.items() if values is not None}
 

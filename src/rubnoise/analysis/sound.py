@@ -89,7 +89,7 @@ class Sound:
             what="normal-velocity" if group == "load" and what == "velocity" else what,
             group=group,
             first=first,
-            rows=min(rows, input_count(samples, ratio)),
+            rows=min(rows, ceil((samples - 1) / ratio) + 1 if samples else 0),
             tick_duration=model.tick_duration,
             rate=rate,
             ratio=ratio,
@@ -341,8 +341,3 @@ def _taps(up: int, down: int) -> Doubles:
 def output_count(inputs: int, ratio: Fraction) -> int:
     """Return the number of outputs for a number of inputs."""
     return 0 if inputs == 0 else int((inputs - 1) * ratio) + 1
-
-
-def input_count(outputs: int, ratio: Fraction) -> int:
-    """Return the least number of inputs for a number of outputs."""
-    return 0 if outputs == 0 else ceil((outputs - 1) / ratio) + 1

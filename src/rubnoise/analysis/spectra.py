@@ -181,7 +181,8 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     probabilities, band_energies = _energies(model, seen.wavenumber, bands)
     for part, energies in zip(bands, band_energies, strict=True):
         variance = _gaussian_variance(expected[part], shared) / seen.segments
-        variance += _shot_variance(probabilities, energies) / births
+        first, second, third = (float(probabilities @ energies**power) for power in (1, 2, 3))
+        variance += second / first**2 / births
         level = power * float(expected[part].sum())
         found.append(
             Band(
@@ -190,7 +191,7 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
                 observed=power * float(seen.density[part].sum()),
                 expected=level,
                 standard_error=level * sqrt(variance),
-                skewness=_shot_skewness(probabilities, energies) / sqrt(births),
+                skewness=third / second**1.5 / sqrt(births),
             )
         )
     return found
@@ -214,16 +215,6 @@ def _gaussian_variance(expected: Doubles, shared: Doubles) -> float:
     for apart in range(1, min(shared.size, expected.size)):
         pairs += 2.0 * shared[apart] * float(expected[apart:] @ expected[:-apart])
     return pairs / float(expected.sum()) ** 2
-
-
-def _shot_variance(probabilities: Doubles, energies: Doubles) -> float:
-    """Return the part of the relative variance due to the finite number of junctions, times that number."""
-    return float(probabilities @ np.square(energies)) / float(probabilities @ energies) ** 2
-
-
-def _shot_skewness(probabilities: Doubles, energies: Doubles) -> float:
-    """Return the skewness of that part, times the root of the number of junctions."""
-    return float(probabilities @ energies**3) / float(probabilities @ np.square(energies)) ** 1.5
 
 
 def _energies(

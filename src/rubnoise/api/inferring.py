@@ -23,7 +23,7 @@ from rubnoise.inference.signal import Signal, clipped, digits, joined
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.reader import MemoryRecord
-from rubnoise.simulation.extent import extent
+from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
 from rubnoise.storage.measured import LARGEST_VALUE, Asked, Head, Source, measured

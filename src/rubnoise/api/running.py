@@ -15,7 +15,7 @@ from rubnoise.api.scenarios import load
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.runs.making import KeptRun, describe, play
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.extent import Engine, extent
+from rubnoise.simulation.draws import Engine, extent
 from rubnoise.simulation.intervention import Intervention, name_of
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import check_guests

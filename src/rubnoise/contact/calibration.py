@@ -11,26 +11,12 @@ _PAPER_LIFE_MEAN = 0.327  # Eq. 6 rounds 1/3 down; kept for the calibration that
 _TURNING = (0.3, 3.0)  # where E[d^3]/d_m is least for unit spread lies between: at 0.89 to 1.5 for the laws there are
 
 
-class NoMatchingDiameter(Refused):
-    """No mean diameter gives the wanted mean area with this absolute spread.
+class Uncalibrated(Refused):
+    """No mean diameter gives the wanted mean area; ``key`` of [interface] may change, as ``hint`` says."""
 
-    ``minimum`` in um^2 is the least possible mean area, ``factor`` times N_jm spread^2.
-    """
-
-    def __init__(self, mean_area: float, minimum: float, factor: float) -> None:
-        self.minimum = minimum
-        self.factor = factor
-        super().__init__(
-            f"no mean diameter matches a mean real contact area of {mean_area:g} um^2 with this spread: "
-            f"the least that can be had is {factor:.7g} N_jm spread^2 = {minimum:g} um^2"
-        )
-
-
-class PaperMeansLens(Refused):
-    """The paper's calibration was requested with another pulse than the paper's."""
-
-    def __init__(self, name: str) -> None:
-        super().__init__(f"calibration paper (0.327 d^2, Eq. 6) is for the lens, not for the {name}")
+    def __init__(self, key: str, message: str, hint: str) -> None:
+        self.key, self.hint = key, hint
+        super().__init__(message)
 
 
 def calibrated_diameter(
@@ -40,11 +26,12 @@ def calibrated_diameter(
 
     ``paper``: d_m = sqrt(A_rm / (0.327 N_jm)) (first Eq. 12), for the lens alone; ``exact``: with the pulse's own life
     mean, 1/3 for the lens; ``matched``: the larger root of N_jm life_mean E[d^3] / d_m = A_rm with the sizes as drawn.
-    Raises PaperMeansLens, and NoMatchingDiameter if ``matched`` has no root.
+    Raises Uncalibrated for ``paper`` with another pulse, and if ``matched`` has no root.
     """
     if calibration == "paper":
         if pulse.name != "lens":
-            raise PaperMeansLens(pulse.name)
+            message = f"calibration paper (0.327 d^2, Eq. 6) is for the lens, not for the {pulse.name}"
+            raise Uncalibrated("calibration", message, 'calibration = "exact" or "matched"')
         return sqrt(mean_area / (mean_count * _PAPER_LIFE_MEAN))
     wanted = mean_area / (mean_count * pulse.life_mean())
     if calibration == "exact":
@@ -54,7 +41,12 @@ def calibrated_diameter(
     turning, least = _least_third_moment(spread.law)
     if wanted < least * spread.absolute**2:
         factor = pulse.life_mean() * least
-        raise NoMatchingDiameter(mean_area, factor * mean_count * spread.absolute**2, factor)
+        message = (
+            'calibration "matched" has no solution: with this spread the exact mean area is at least '
+            f"{factor:.7g} mean_junction_count * spread^2 = {factor * mean_count * spread.absolute**2:.7g} um^2"
+        )
+        hint = 'a larger area, fewer junctions, a smaller spread, or calibration = "exact"'
+        raise Uncalibrated("mean_real_contact_area", message, hint)
     from scipy.optimize import brentq  # takes long to load, and few scenarios need it
 
     unit, top = wanted / spread.absolute**2, sqrt(wanted) / spread.absolute

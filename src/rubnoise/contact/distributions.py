@@ -7,7 +7,7 @@ law, write its class here and its entry in `contact.laws`.
 from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import erfc, exp, expm1, factorial, fsum, gamma, lgamma, log, log1p, pi, prod, sqrt
+from math import erfc, exp, expm1, fsum, gamma, lgamma, log, log1p, pi, prod, sqrt
 from typing import Any, Final, Protocol
 
 import numpy as np
@@ -167,30 +167,6 @@ class Lognormal:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Exponential:
-    """A law of density exp(-x / mean) / mean, whose standard deviation is its mean: E[x^n] = n! mean^n."""
-
-    mean: float
-
-    def moment(self, power: int) -> float:
-        """Return E[x^n]."""
-        return float(factorial(power) * self.mean**power)
-
-    def density(self, value: Doubles) -> Doubles:
-        """Return the density; 0 if x is not positive."""
-        return np.where(value > 0.0, np.exp(-np.maximum(value, 0.0) / self.mean) / self.mean, 0.0)
-
-    @property
-    def support(self) -> tuple[float, float]:
-        """Values with 5e-17 of the law below and above them. Averages of x^n have weight beyond it."""
-        return _BEYOND * self.mean, -log(_BEYOND) * self.mean
-
-    def quantile(self, probability: Doubles) -> Doubles:
-        """Return -ln(1 - p) mean."""
-        return -self.mean * np.log1p(-probability)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Gamma:
     """A gamma law with its mean and standard deviation given; its shape is (mean/std)^2.
 
@@ -248,7 +224,7 @@ class Weibull:
     """A Weibull law with its mean and standard deviation given: the failure of the weakest of many parts.
 
     P(X > x) = exp(-(x / scale)^shape); the shape solves Gamma(1 + 2/shape) / Gamma(1 + 1/shape)^2 = 1 + (std/mean)^2.
-    Moments: E[x^n] = scale^n Gamma(1 + n/shape), scale = mean / Gamma(1 + 1/shape).
+    Moments: E[x^n] = scale^n Gamma(1 + n/shape), scale = mean / Gamma(1 + 1/shape). With std = mean it is exponential.
     """
 
     mean: float

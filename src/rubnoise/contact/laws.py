@@ -13,7 +13,6 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.contact.distributions import (
-    Exponential,
     Fixed,
     Gamma,
     Law,
@@ -91,7 +90,7 @@ _ENTRIES: Final = (
     LawEntry(
         "exponential",
         "a standard deviation equal to the mean",
-        lambda centre, _std, _own: Exponential(mean=centre),
+        lambda centre, _std, _own: Weibull(mean=centre, std=centre),
         takes_spread=False,
         with_spread="gamma",
     ),

@@ -46,7 +46,7 @@ def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **lo
     Sticks of a two-way slider and flights of a free one are shaded; ``last``: whether the axis below has its label.
     """
     first = tracks[0]
-    known = first.exact_moments() if len(tracks) == 1 else None
+    known = first.quantity.moments(first.model) if len(tracks) == 1 and first.has_theory else None
     if known is not None:
         exact_band(axes, *known)
     for track, label, own in zip(tracks, labels_of(tracks), curve_styles(len(tracks)), strict=True):

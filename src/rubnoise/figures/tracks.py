@@ -207,10 +207,6 @@ class Track:
         """Whether theory may know the quantity: not for free motion, and of the contact alone with two-way coupling."""
         return self.stretch.has_theory and not (self.group == "slider" and self.model.is_two_way)
 
-    def exact_moments(self) -> tuple[float, float] | None:
-        """Return the exact mean and standard deviation as on the axis, None if theory does not know them."""
-        return self.quantity.moments(self.model) if self.has_theory else None
-
     def landmarks(self) -> StickSlip | Flights | None:
         """Return sticks and slips, or flights and impacts; None for what does neither. Of very many the first."""
         file, ends = self.stretch.file, (self.begin, self.end)

@@ -95,7 +95,7 @@ class FitProblem:
     def longest_waves(self, place: FitPoint) -> float:
         """Return S(0) of junctions and noise, lam E[psi^2] E[(int A ds)^2] + noise: n times the variance of a mean."""
         sixth = self.population.moment(6, place.shape) * place.diameter**6
-        return place.rate * self.pulse.squared_integral * sixth + place.noise
+        return place.rate * self.pulse.integral_moment(2) * sixth + place.noise
 
     def is_widest(self, place: FitPoint) -> bool:
         """Return whether the shape is at its upper bound, beyond which a step would move the others wrongly."""
@@ -216,11 +216,10 @@ def whittle(problem: FitProblem, diameter: float, noise: float) -> tuple[FitPoin
     for _, place in begun[:_STARTS_REFINED]:
         for reach in _REACHES:
             place, _ = climb(problem, place, reach)  # noqa: PLW2901  (each stage begins where the last one ended)
-        if not any(_is_same(place, other) for other in arrived):
+        # within a small part of a period of the oscillation, two points lead to one minimum
+        if not any(
+            abs(log(place.diameter / other.diameter)) < _SAME and abs(place.shape - other.shape) <= _SAME * other.shape
+            for other in arrived
+        ):
             arrived.append(place)
     return min((climb(problem, place) for place in arrived), key=lambda each: each[1])
-
-
-def _is_same(one: FitPoint, other: FitPoint) -> bool:
-    """Return whether two points lead to one minimum: they are within a small part of a period of the oscillation."""
-    return abs(log(one.diameter / other.diameter)) < _SAME and abs(one.shape - other.shape) <= _SAME * other.shape

@@ -390,7 +390,7 @@ def _law_free(fit: Fit, signal: Signal) -> dict[str, float]:
     low = np.maximum(bands.wavenumber * typical < 0.6, np.arange(bands.energy.size) < 5)
     zero = float(np.sum((bands.weight * bands.energy)[low]) / np.sum(bands.weight[low])) - place.noise
     second = pulse.life_integral(2)
-    found = {"effective_diameter": max(zero, 0.0) * second / (variance * pulse.squared_integral) * signal.tick}
+    found = {"effective_diameter": max(zero, 0.0) * second / (variance * pulse.integral_moment(2)) * signal.tick}
     if fit.known.mean is not None:
         equal = pulse.mean_life * second / pulse.life_integral(1) ** 2 * fit.contact.inequality
         found["effective_count"] = equal * fit.known.mean**2 / variance

@@ -73,11 +73,6 @@ class Bands:
         return pi * (self.first + self.last) / self.samples
 
     @property
-    def log_width(self) -> Doubles:
-        """The width of each band in ln k."""
-        return np.log((self.last + 0.5) / (self.first - 0.5))
-
-    @property
     def span(self) -> int:
         """Number of samples in the periodogram."""
         return self.samples * self.segments

@@ -80,10 +80,6 @@ def _normal_moment(power: int, shape: float) -> float:
     return here / mean**power if power else 1.0
 
 
-def _lognormal_moment(power: int, shape: float) -> float:
-    return float((1.0 + shape**2) ** (0.5 * power * (power - 1)))
-
-
 def _gamma_moment(power: int, shape: float) -> float:
     return prod(1.0 + n * shape**2 for n in range(power))
 
@@ -93,7 +89,7 @@ POPULATIONS: Final[dict[str, Population]] = {
     for each in (
         Population(name="fixed", moment=_gamma_moment, starts=(0.0,)),
         Population(name="normal", moment=_normal_moment, widest=2.0),
-        Population(name="lognormal", moment=_lognormal_moment, widest=1.2),
+        Population(name="lognormal", moment=lambda n, shape: (1.0 + shape**2) ** (0.5 * n * (n - 1)), widest=1.2),
         Population(name="exponential", moment=_gamma_moment, starts=(1.0,)),
         Population(name="gamma", moment=_gamma_moment, widest=1.6),
     )
@@ -233,10 +229,10 @@ def energy_table(name: str, shape: float, pulse: Pulse = LENS) -> EnergyTable:
     second = (1.0 + raised) * _slope(first / (1.0 + raised))
     return EnergyTable(
         rows=np.stack([scaled, first, second, by_shape * (1.0 + raised)], axis=-1).T,
-        zero=pulse.squared_integral * population.moment(6, shape),
+        zero=pulse.integral_moment(2) * population.moment(6, shape),
         tail=factor * population.moment(6 - power, shape),
         power=power,
-        zero_by_shape=pulse.squared_integral * moment_slope(population, shape, 6),
+        zero_by_shape=pulse.integral_moment(2) * moment_slope(population, shape, 6),
         tail_by_shape=factor * moment_slope(population, shape, 6 - power),
     )
 

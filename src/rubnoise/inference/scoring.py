@@ -117,7 +117,7 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
     periodogram, place = problem.bands, contact.place
     sizes, probability, step = shot_sizes(problem.population, place.shape)
     diameters = place.diameter * sizes
-    widths = step + periodogram.log_width
+    widths = step + np.log((periodogram.last + 0.5) / (periodogram.first - 0.5))  # of bands in ln k, and of sizes
     phases = np.log(np.outer(periodogram.wavenumber, diameters))
     each = energies(problem.pulse, phases, widths[:, None]) * diameters[:, None] ** 6
     each = each.reshape(bands.size, -1)

@@ -26,7 +26,7 @@ from rubnoise.runs.making import describe, play
 from rubnoise.scenario.scenario import Scenario, flattened
 from rubnoise.scenario.sweep import Point, Sweep, in_words, name_of, points_of, run_id
 from rubnoise.scenario.sweep_keys import Keep
-from rubnoise.simulation.extent import Engine
+from rubnoise.simulation.draws import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
 from rubnoise.storage.forecast import check_sweep_space, expected, together

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -125,14 +124,10 @@ def _progress(
 def _figures(runs: Sequence[Figures]) -> Iterator[Filled]:
     names = dict.fromkeys(name for run in runs for name, value in run.items() if not isinstance(value, np.ndarray))
     for name in names:
-        about = Dataset(name, _unit(name), "", name.replace("_", " "))
+        # the name of a column begins with that of a figure of /summary
+        unit = next((known.unit for figure, known in FIGURE_NAMES.items() if name.startswith(figure)), "") or "1"
+        about = Dataset(name, unit, "", name.replace("_", " "))
         yield Filled(about=about, values=np.array([run.get(name, np.nan) for run in runs], dtype=np.float64))
-
-
-@lru_cache(maxsize=1024)
-def _unit(name: str) -> str:
-    """Return the unit of a figure of /summary, with whose name that of the column begins."""
-    return next((known.unit for figure, known in FIGURE_NAMES.items() if name.startswith(figure)), "") or "1"
 
 
 def _summaries(runs: Sequence[Figures], numbers: Sequence[int], points: int) -> dict[str, NDArray[Any]]:

@@ -15,7 +15,7 @@ from rubnoise.record.reader import Attributes, MemoryRecord
 from rubnoise.record.sink import Extent, Sink, Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.extent import Engine, extent
+from rubnoise.simulation.draws import Engine, extent
 from rubnoise.simulation.intervention import Intervention, name_of
 from rubnoise.simulation.linear import named_constants
 from rubnoise.simulation.observer import Observer

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator
 from typing import Final
 
 from rubnoise.contact.births import ScatteredBirths
-from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
+from rubnoise.contact.calibration import Uncalibrated
 from rubnoise.contact.pulses import pulse_of
 from rubnoise.model import Model
 from rubnoise.scenario.document import AREAS, COUNTS, LIVE_JUNCTIONS, SECTIONS, Diameter, Document, Strength
@@ -73,10 +73,8 @@ def modelled(
         return None, None, problems
     try:
         diameter = diameter_of(document)
-    except NoMatchingDiameter as error:
-        problems.append(_unmatched(layers, error))
-    except PaperMeansLens as error:
-        problems.append(layers.problem(("interface", "calibration"), str(error), 'calibration = "exact" or "matched"'))
+    except Uncalibrated as error:
+        problems.append(layers.problem(("interface", error.key), str(error), error.hint))
     else:
         tick = document.output.tick or default_tick(diameter)
         problems += _tick_problems(document, layers, tick, diameter)
@@ -160,15 +158,6 @@ def _free_problems(document: Document, layers: Layers) -> Iterator[Problem]:
         message = f"{count:.3g} junctions in contact: free motion is computed up to {MOST_LIVE:g}"
         hint = 'load.motion = "first-order", which is right for so many'
         yield layers.problem(_COUNT if document.interface.patch_area is None else _PATCH, message, hint)
-
-
-def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:
-    message = (
-        'calibration "matched" has no solution: with this spread the exact mean area is at least '
-        f"{error.factor:.7g} mean_junction_count * spread^2 = {error.minimum:.7g} um^2"
-    )
-    hint = 'a larger area, fewer junctions, a smaller spread, or calibration = "exact"'
-    return layers.problem(("interface", "mean_real_contact_area"), message, hint)
 
 
 def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter: float) -> Iterator[Problem]:

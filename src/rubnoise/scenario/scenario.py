@@ -164,7 +164,7 @@ _ROUNDING, _STEPS = 1e-14, 300
 def diameter_of(document: sections.Document) -> float:
     """Return the calibrated diameter d_m in um.
 
-    Raises NoMatchingDiameter if `matched` has no solution, PaperMeansLens for `paper` with another pulse.
+    Raises Uncalibrated if `matched` has no solution, and for `paper` with another pulse than the lens.
     """
     if document.diameter.mean is not None:
         return float(document.diameter.mean)

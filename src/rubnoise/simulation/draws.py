@@ -1,8 +1,9 @@
-"""The random draws of a run: the births of every block, and of the past before the start."""
+"""The random draws of a run: the births of every block, and of the past before the start; and what they will take."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import ceil
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,9 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles
 from rubnoise.contact.distributions import largest_of
 from rubnoise.model import Model
+from rubnoise.record.sink import Extent
 from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, cells_per_tick
 from rubnoise.streams import Stream, uniforms
 
 BLOCK: Final = 16_384
@@ -90,3 +93,39 @@ def _rows(model: Model, seed: int, way: int, block: int, junction: NDArray[np.in
         departure=np.full(count, np.inf),
         offset=offset,
     )
+
+
+Engine = Literal["events", "batch"]
+"""How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
+
+
+def extent(model: Model, seed: int) -> Extent:
+    """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
+    ticks, free = model.tick_count + 1, model.free is not None
+    return Extent(
+        junctions=None if free else start(model, seed).junctions + count_births(model, seed),
+        ticks=ticks,
+        slider=model.slider_rows,
+        landmarks=None if free or model.is_two_way else 0,
+        load=0 if model.held is None else ticks,
+    )
+
+
+PROGRAM_BYTES: Final = 225_000_000
+"""Memory of a process before the run, with everything loaded that a run needs."""
+
+DRAWN_BYTES: Final = 50
+ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 320, "batch": 200}
+ALIVE_BYTES: Final[Mapping[Engine, int]] = {"events": 1000, "batch": 0}
+POSITION_BYTES: Final = 140
+"""Memory for each birth drawn in a block, each row of the block that is played, each junction alive at the same time,
+and each position of a tick range."""
+
+
+def working_bytes(model: Model, engine: Engine) -> int:
+    """Return the memory that a run needs besides its program: one block and one tick range, however long the run is."""
+    drawn, alive = births_per_block(model), model.mean_live_junctions
+    played = min(drawn, model.birth_rate * model.distance) + alive
+    positions = min(LARGEST_TICK_RANGE, (model.tick_count + 1) * cells_per_tick(model))
+    junctions = DRAWN_BYTES * drawn + ROW_BYTES[engine] * played + ALIVE_BYTES[engine] * alive
+    return round(junctions + POSITION_BYTES * positions)

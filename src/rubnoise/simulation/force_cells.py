@@ -49,10 +49,12 @@ def force_cells(shape: Shape, rows: LiveRows, first: int, end: int, width: float
     cell = np.clip(np.floor(place[order] / width).astype(np.int64), first, end - 1)
     y, slope = np.clip(place[order] / width - cell, 0.0, 1.0), slope[order]
     rest = 1.0 - y
-    at, ends = cell - first, edges[1:].copy()
-    mean, tilt = moments[0].copy(), moments[1].copy()
-    for values, part in ((ends, rest), (mean, rest**2 / 2.0), (tilt, rest**2 / 2.0 - rest**3 / 3.0)):
-        np.subtract.at(values, at, slope * part)
+    at = cell - first
+    jumps = rest, rest**2 / 2.0, rest**2 / 2.0 - rest**3 / 3.0  # what a kink adds to the end, mean and tilt of its cell
+    ends, mean, tilt = (
+        values - np.bincount(at, slope * part, end - first)
+        for values, part in zip((edges[1:], *moments[:2]), jumps, strict=True)
+    )
     line, begin = 3.0 * tilt, edges[:-1]
     bend, twist = 0.5 * (begin + ends) - mean, 0.5 * (ends - begin) - line
     cubics = [
@@ -66,7 +68,7 @@ def force_cells(shape: Shape, rows: LiveRows, first: int, end: int, width: float
         width=width,
         cubics=np.ascontiguousarray(np.array(cubics).T),
         kinks=np.array([y, slope]),
-        begins=np.searchsorted(at, np.arange(end - first + 1)),
+        begins=np.append(0, np.cumsum(np.bincount(at, minlength=end - first))),
     )
 
 
@@ -89,9 +91,3 @@ def expand(cells: ForceCells, cell: int, y: float, way: float, piece: Doubles) -
     per = 1.0 / cells.width
     piece[0], piece[1], piece[2], piece[3] = value, slope * per, (c2 + 3.0 * y * c3) * per * per, c3 * per * per * per
     return border
-
-
-@compiled_within
-def work_over(piece: Doubles, moved: float) -> float:
-    """Return int G ds in uN um over a distance (um) from where it was expanded."""
-    return moved * (piece[0] + moved * (piece[1] / 2.0 + moved * (piece[2] / 3.0 + moved * piece[3] / 4.0)))

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import fsum
-from typing import Final
 
 import numpy as np
 
@@ -124,34 +123,15 @@ def propagator(system: LinearSystem, speed: float, tick: float, cells_per_tick: 
     first, second, third = blocks[:, 1], blocks[:, 2], blocks[:, 3]
     legendre = np.stack([first, 3.0 * (2.0 * second - first), 5.0 * (12.0 * third - 6.0 * second + first)])
     gains = np.einsum("iab,bc->aci", legendre, system.inputs) / speed
-    return Propagator(
-        system=system,
-        transition=moved @ first,
-        gains=gains.reshape(size, -1),
-        cells_per_tick=cells_per_tick,
-    )
-
-
-_AT_ONCE: Final = 4096
-"""Cells that are moved through at a time: what pushes in them stays in the processor's cache."""
+    transition, gains = moved @ first, gains.reshape(size, -1)
+    return Propagator(system=system, transition=transition, gains=gains, cells_per_tick=cells_per_tick)
 
 
 @compiled
-def add_pushes(gains: Doubles, moments: Doubles, first: int, push: Doubles) -> None:
-    """Add to ``push`` (2, some) what the moments (3, cells) from a cell on add to a position and its velocity."""
-    end = first + push.shape[1]
-    means, slopes, bends = moments[0][first:end], moments[1][first:end], moments[2][first:end]
-    for row in range(2):
-        mean, slope, bend, total = gains[row, 0], gains[row, 1], gains[row, 2], push[row]
-        for cell in range(len(total)):
-            total[cell] += mean * means[cell] + slope * slopes[cell] + bend * bends[cell]
-
-
-@compiled
-def advance(push: Doubles, transition: Doubles, first: int, states: Doubles) -> None:
-    """Step a position and its velocity through cells from ``first`` on: states (2, cells + 1) are before the cells."""
-    pushes, kicks = push[0], push[1]
-    positions, velocities = states[0][first:], states[1][first:]
+def advance(push: Doubles, transition: Doubles, states: Doubles) -> None:
+    """Step a position and its velocity through cells: states (2, cells + 1) are before the cells and after them."""
+    pushes, kicks = push
+    positions, velocities = states
     x, v = positions[0], velocities[0]
     x_from_x, x_from_v, v_from_x, v_from_v = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     for cell in range(len(pushes)):
@@ -219,19 +199,15 @@ class LinearMotion:
         states = np.zeros((size, cells + 1))
         states[:, 0] = self.state
         transition, gains = self._constants.transition, self._gains
-        steady = np.add.accumulate(-gains[..., 0] * self._constants.system.means, axis=2)[..., -1]
-        coupling = np.zeros((2, 3))
-        coupling[:, :2] = transition[2:, :2] if size > 2 else 0.0
-        for first in range(0, cells, _AT_ONCE):
-            for body in range(size // 2):
-                pair, count = slice(2 * body, 2 * body + 2), min(_AT_ONCE, cells - first)
-                push = np.repeat(steady[body], count).reshape(2, count)
-                for number, drive in enumerate(moments):
-                    if gains[body, :, number].any():
-                        add_pushes(gains[body, :, number].copy(), drive, first, push)
-                if body:
-                    add_pushes(coupling, states, first, push)
-                advance(push, transition[pair, pair].copy(), first, states[pair])
+        steady = np.add.accumulate(-gains[..., 0] * self._constants.system.means, axis=2)[..., -1:]
+        for body in range(size // 2):
+            pair = slice(2 * body, 2 * body + 2)
+            # no bit of these sums depends on threads, as one of a product of matrices may
+            pushes = (np.einsum("ij,jk->ik", gains[body, :, n], drive) for n, drive in enumerate(moments))
+            push = sum(pushes, start=steady[body])
+            if body:
+                push += np.einsum("ij,jk->ik", transition[pair, :2], states[:2, :-1])
+            advance(push, transition[pair, pair].copy(), states[pair])
         return states
 
     def _of_slider(self, slider: Slider, trace: Columns, displacement: Doubles, velocity: Doubles) -> Columns:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled, compiled_within
 from rubnoise.record.rows import LandmarkKind, Phase
-from rubnoise.simulation.force_cells import ForceCells, expand, work_over
-from rubnoise.simulation.series import rate, rate_of_rate, value
+from rubnoise.simulation.force_cells import ForceCells, expand
+from rubnoise.simulation.series import rate, rate_of_rate, value, value_and_rate
 
 Records = NDArray[Any]
 """An array of records: STATE, ROW or MARK."""
@@ -32,7 +32,7 @@ ORDER: Final = 8
 CUBIC: Final = 3
 """Highest power of distance in the force."""
 
-TOLERANCE: Final = 1e-11
+TOLERANCE: Final = 1e-10
 """Largest size of the last two terms of a step's series, over the width of a cell."""
 
 TOUCH: Final = 1e-9
@@ -141,7 +141,8 @@ def time_to(series: Doubles, way: float, length: float, guess: float, limit: flo
     """Return when a length has been passed, by Newton's method between bounds; it is passed before ``limit``."""
     low, high, time = 0.0, limit, min(guess, limit)
     for _ in range(60):
-        beyond, slope = way * value(series, ORDER, time) - length, way * rate(series, ORDER, time)
+        moved, speed = value_and_rate(series, ORDER, time)
+        beyond, slope = way * moved - length, way * speed
         if beyond > 0.0:
             high = time
         else:
@@ -149,20 +150,26 @@ def time_to(series: Doubles, way: float, length: float, guess: float, limit: flo
         following = time - beyond / slope if slope > 0.0 else low
         if not low <= following <= high:
             following = 0.5 * (low + high)
-        if abs(following - time) <= 1e-8 * time:  # the next one would be right to 1e-16
+        if abs(following - time) <= 1e-6 * time:  # the next one would be right to 1e-12
             return following
         time = following
     return time
 
 
 @compiled_within
+def first_guess(series: Doubles, way: float, length: float) -> float:
+    """Return when a length has been passed by the first two powers alone; infinite if it is not."""
+    speed = way * series[1]
+    root = speed * speed + 4.0 * way * series[2] * length
+    both = speed + np.sqrt(max(root, 0.0))
+    return 2.0 * length / both if root > 0.0 and both > 0.0 else np.inf
+
+
+@compiled_within
 def step_within(series: Doubles, way: float, length: float, tolerance: float) -> tuple[float, bool]:
     """Return when a length has been passed, and True; or for how long the series is right, and False."""
     last, before = abs(series[ORDER]), abs(series[ORDER - 1])
-    speed, growth = way * series[1], way * series[2]
-    root, guess = speed * speed + 4.0 * growth * length, np.inf
-    if root > 0.0 and speed + np.sqrt(root) > 0.0:
-        guess = 2.0 * length / (speed + np.sqrt(root))
+    guess = first_guess(series, way, length)
     limit = 1.25 * guess
     right = guess < np.inf and (last * limit + before) * limit ** (ORDER - 1) <= tolerance
     if not right or way * value(series, ORDER, limit) < length:
@@ -214,13 +221,13 @@ def write_rows(
         if now.row - out.first == len(out.rows):
             return False
         since = max(now.row * drive.row_time - now.time, 0.0)
-        moved, row = value(series, ORDER, since), out.rows[now.row - out.first]
+        (moved, speed), row = value_and_rate(series, ORDER, since), out.rows[now.row - out.first]
         row.distance = origin + moved
         row.friction_force = way * max(value(piece, CUBIC, moved), 0.0)
         if now.phase == STUCK:
             row.friction_force = held + drive.stiffness * drive.speed * since
         row.displacement = now.displacement + drive.speed * since - moved
-        row.velocity = drive.speed - rate(series, ORDER, since)
+        row.velocity = drive.speed - speed
         row.phase = now.phase
         now.row += 1
     return True
@@ -237,15 +244,13 @@ def go_on(now: Moving, drive: DrivenSlider, duration: float, piece: Doubles, ser
     """Add a step to the integrals, and move to its end in time."""
     for node, share in _GAUSS:
         time = node * duration
-        x, v = (
-            now.displacement + drive.speed * time - value(series, ORDER, time),
-            drive.speed - rate(series, ORDER, time),
-        )
+        moved, speed = value_and_rate(series, ORDER, time)
+        x, v = now.displacement + drive.speed * time - moved, drive.speed - speed
         now.displacement_integral += share * duration * x
         now.displacement_squared_integral += share * duration * (x * x)
         now.velocity_squared_integral += share * duration * (v * v)
     moved = value(series, ORDER, duration)
-    work = work_over(piece, moved)  # a cubic may be a little below 0 where a life begins
+    work = moved * (piece[0] + moved * (piece[1] / 2.0 + moved * (piece[2] / 3.0 + moved * piece[3] / 4.0)))
     work = -work if now.phase == REVERSED else work
     now.friction_work += work
     if now.phase == REVERSED:
@@ -261,7 +266,7 @@ def meet(now: Moving, out: StepOutput, origin: float, reached: float, duration: 
     """Note when the births and deaths up to a distance are met in a step forward."""
     while now.met < len(out.places) and out.places[now.met] <= reached:
         length = max(out.places[now.met] - origin, 0.0)
-        guess = duration * length / max(reached - origin, length) if length > 0.0 else 0.0
+        guess = min(first_guess(series, 1.0, length), duration) if length > 0.0 else 0.0
         out.times[now.met] = now.time + time_to(series, 1.0, length, guess, duration)
         now.met += 1
 
@@ -324,11 +329,11 @@ def slip(
         duration, at_border = halt, False
     if not write_rows(now, drive, origin, now.time + duration, out, piece, series):
         return False
-    moved = value(series, ORDER, duration)
+    moved, speed = value_and_rate(series, ORDER, duration)
     if way > 0.0:
         meet(now, out, origin, (now.cell + border) * width if at_border else origin + moved, duration, series)
     go_on(now, drive, duration, piece, series)
-    now.relative, now.fresh = rate(series, ORDER, duration), 0
+    now.relative, now.fresh = speed, 0
     now.y = border if at_border else min(max(now.y + moved / width, 0.0), 1.0)
     if halt <= duration:
         arrive(now, drive, width, value(piece, CUBIC, moved), out)

@@ -17,6 +17,16 @@ def value(series: Doubles, order: int, time: float) -> float:
 
 
 @compiled_within
+def value_and_rate(series: Doubles, order: int, time: float) -> tuple[float, float]:
+    """Return the sum of the series and its first derivative at a time."""
+    total, slope = series[order], 0.0
+    for n in range(order - 1, -1, -1):
+        slope = slope * time + total
+        total = total * time + series[n]
+    return total, slope
+
+
+@compiled_within
 def rate(series: Doubles, order: int, time: float) -> float:
     """Return the first derivative of the series at a time."""
     total = order * series[order]

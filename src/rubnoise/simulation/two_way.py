@@ -13,6 +13,7 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.sink import Appender, Sink
+from rubnoise.simulation.cell_moments import AFTER, ROOT_CELLS
 from rubnoise.simulation.draws import past
 from rubnoise.simulation.force_cells import ForceCells, force_cells
 from rubnoise.simulation.observer import Notifier
@@ -105,9 +106,8 @@ class TwoWayMotion:
         self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
         final = known >= self._model.distance
         place = self._model.distance if final else known
-        stop = Stop(floor(place / self._width), 0.0)
-        if final:
-            stop = stop._replace(y=place / self._width - stop.cell)
+        cell = floor(place / self._width)
+        stop = Stop(cell, place / self._width - cell) if final else Stop(cell - AFTER, 0.0)
         while not self._is_at(stop):
             self._move(stop)
         self._finished = final
@@ -143,7 +143,8 @@ class TwoWayMotion:
 
     def _force(self, begin: int, end: int) -> ForceCells:
         rows = self._rows
-        near = (rows.birth < end * self._width) & (rows.birth + 2.0 * rows.diameter > begin * self._width)
+        first, last = (begin - ROOT_CELLS) * self._width, (end + AFTER) * self._width
+        near = (rows.birth < last) & (rows.birth + 2.0 * rows.diameter > first)
         return force_cells(self._model.pulse.shape, rows.at(np.flatnonzero(near)), begin, end, self._width)
 
     def _advance(self, cells: ForceCells, stop: Stop) -> int:

@@ -15,7 +15,7 @@ from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.extent import PROGRAM_BYTES, Engine, extent, working_bytes
+from rubnoise.simulation.draws import PROGRAM_BYTES, Engine, extent, working_bytes
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.output import part_of
 from rubnoise.theory.moments import expected_junction_rows, force_cumulants

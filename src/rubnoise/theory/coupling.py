@@ -75,7 +75,7 @@ def coupling(model: Model) -> Coupling:
     strength = inf if known else nan  # a force of other births, or under a load, says nothing at low frequency
     if known and slider.damping > 0.0:
         strength = float(area_noise(model, psi).density(0.0)) / (2.0 * slider.mass * slider.damping * drive.speed**3)
-    impulse = model.pulse.cubed_integral / model.pulse.squared_integral * psi.moment(3) / psi.moment(2)
+    impulse = model.pulse.integral_moment(3) / model.pulse.integral_moment(2) * psi.moment(3) / psi.moment(2)
     kick = impulse * sizes.moment(9) / sizes.moment(6) / (slider.mass * drive.speed**2)
     unknown = _unknown(model, strength, kick)
     change = nan if unknown else weak_coupling_change(strength, kick)
