@@ -85,21 +85,18 @@ def _filler(missed: Sequence[Doubles], kind: int, way: int) -> Any:
     """
     ways = [each if way > 0 else each[..., ::-1] * np.array([[1.0], [-1.0], [1.0]]) for each in missed]
     first, second, third = (np.ascontiguousarray(each.reshape(len(each), -1)) for each in ways)
-    of_first, of_second, of_third, count = (
-        *(len(each) - 1 for each in missed),
-        first.shape[1],
-    )  # which the compiler knows
+    degrees, count = tuple(len(each) - 1 for each in missed), first.shape[1]  # which the compiler knows
 
     @compiled_within
     def fill(y: float, series: Series, found: Doubles) -> None:
         z = 2.0 * (np.sqrt(y) if kind == ROOT else y) - 1.0
         for k in range(count):
-            a, b, c = first[of_first, k], second[of_second, k], third[of_third, k]
-            for n in range(of_first - 1, -1, -1):
+            a, b, c = first[degrees[0], k], second[degrees[1], k], third[degrees[2], k]
+            for n in range(degrees[0] - 1, -1, -1):
                 a = a * z + first[n, k]
-            for n in range(of_second - 1, -1, -1):
+            for n in range(degrees[1] - 1, -1, -1):
                 b = b * z + second[n, k]
-            for n in range(of_third - 1, -1, -1):
+            for n in range(degrees[2] - 1, -1, -1):
                 c = c * z + third[n, k]
             found[k] = series[0] * a + series[1] * b + series[2] * c
 
