@@ -80,7 +80,7 @@ def test_area_follows_the_formula_over_a_life(name: str, diameter: float) -> Non
     assert found.max() > 0.4 * diameter**2
 
 
-BOUNDS = {4.7: 2e-6, 11.3: 2e-7, 27.5: 2e-8, 110.5: 1e-9}
+BOUNDS = {4.7: 2e-6, 11.3: 2e-7, 27.5: 6e-9, 110.5: 5e-10}
 """Largest error of the mean over a cell, by the cells in a diameter; the others matter less, and err more."""
 
 
@@ -97,7 +97,7 @@ def test_moments_of_cells_are_those_of_quadrature(name: str, diameter: float, ph
     error = np.abs(found - moments_of_one_life(name, rows, 0, cells) / diameter**2)
     bound = BOUNDS[diameter] if "lens" in name else 1e-13
     assert (error.max(axis=1) < bound * np.array([1.0, 4.0, 50.0])).all()
-    assert error[0].sum() < 2.0 * bound
+    assert error[0].sum() < 5.0 * bound
 
 
 @EVERY_SHAPE

@@ -13,7 +13,7 @@ a life begins, turns or ends. There every life adds the difference between its t
 - about the end of a life that was ended early, in all cells of a life of few cells, and where a pass off the centre
   line turns sharply: Gauss nodes in the square root of the distance from the nearer end.
 
-The area of one life is right to 1e-12 d^2. Its mean over a cell is right to 5e-10, 3e-9 and 2e-7 d^2 at 220, 50 and 20
+The area of one life is right to 1e-12 d^2. Its mean over a cell is right to 5e-10, 6e-9 and 2e-7 d^2 at 220, 50 and 20
 cells a life, its bend to five times this. Polynomials, the triangle and the parabola, are right to rounding.
 
 Sums at places go in order of birth, and what a life adds to a place depends on both alone. So they do not depend on

@@ -250,6 +250,7 @@ def go_on(now: Moving, drive: DrivenSlider, duration: float, piece: Doubles, ser
         now.displacement_squared_integral += share * duration * (x * x)
         now.velocity_squared_integral += share * duration * (v * v)
     moved = value(series, ORDER, duration)
+    # the integral of the force; its cubic may be a little below 0 where a life begins
     work = moved * (piece[0] + moved * (piece[1] / 2.0 + moved * (piece[2] / 3.0 + moved * piece[3] / 4.0)))
     work = -work if now.phase == REVERSED else work
     now.friction_work += work

@@ -69,7 +69,7 @@ def simulate(
         state = start(model, seed)
         step = ContactRun(model, seed, sink, play, watch, state.live, notifier).next_state
     # Once the C library has given back an array as large as this, it keeps smaller ones for later. Else those of every
-    # range of ticks would get their memory from the system anew, which took a third of the time.
+    # range of ticks would get their memory from the system anew, which took up to a third of the time.
     np.empty(3_900_000)  # glibc heeds none beyond 32 MB
     # Inside a block, the collector of garbage would check all live processes again and again: a fifth of the time.
     looked = gc.isenabled()
@@ -211,6 +211,8 @@ def check_guests(model: Model, engine: Engine, observe: Observer | None, interve
             f"observe: {motion[0]}: only a slider that pushes back sticks, breaks away and turns round;"
             ' slider.coupling = "two-way" makes it one'
         )
-    if engine != "events" and (intervene is not None or hears_of_lives):
-        lives, process = "observe: births, mid-lives and deaths are", "intervene: an intervention is a process among"
-        raise Refused(f'{lives if intervene is None else process} events: it needs the engine "events", not "{engine}"')
+    needed = f'it needs the engine "events", not "{engine}"'
+    if engine != "events" and intervene is not None:
+        raise Refused(f"intervene: an intervention is a process among events: {needed}")
+    if engine != "events" and hears_of_lives:
+        raise Refused(f"observe: births, mid-lives and deaths are events: {needed}")

@@ -29,10 +29,7 @@ def value_and_rate(series: Doubles, order: int, time: float) -> tuple[float, flo
 @compiled_within
 def rate(series: Doubles, order: int, time: float) -> float:
     """Return the first derivative of the series at a time."""
-    total = order * series[order]
-    for n in range(order - 1, 0, -1):
-        total = total * time + n * series[n]
-    return total
+    return value_and_rate(series, order, time)[1]
 
 
 @compiled_within
