@@ -11,7 +11,8 @@ from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.sink import Extent
-from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve, stored_pulse
+from rubnoise.scenario.reading import stored
+from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve
 
 # Junctions of a result have the pulse of the run, from the scenario in the file alone.
 SCENARIO = """format = 1
@@ -97,7 +98,7 @@ def test_the_trace_is_the_sum_of_the_junctions(run: rubnoise.Run) -> None:
 )
 def test_a_pulse_that_nobody_knows_is_refused(text: str) -> None:
     with pytest.raises(RunFileRefused, match="the scenario in the file"):
-        stored_pulse(text)
+        stored(text)
 
 
 def test_a_record_in_memory_grows() -> None:

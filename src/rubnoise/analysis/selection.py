@@ -16,7 +16,7 @@ from rubnoise.contact.pulses import Pulse, area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows, chunks
 from rubnoise.record.rows import refuse_touches
-from rubnoise.storage.life_curve import stored_pulse
+from rubnoise.scenario.reading import stored
 
 AREAS_AT_ONCE: Final = 1 << 18
 """Areas that are held at once; their sum is taken piece by piece, so its last bits depend on it."""
@@ -158,7 +158,7 @@ def _neighbours_in(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
         death=columns["death_distance"],
         diameter=columns["diameter"],
         strength=columns.get("shear_strength"),
-        pulse=stored_pulse(file.provenance["scenario_resolved"]),
+        pulse=stored(file.provenance["scenario_resolved"]).model().pulse,
         offset=columns.get("lateral_offset"),
     )
 

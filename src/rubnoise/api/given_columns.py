@@ -1,4 +1,4 @@
-"""Convert tables given by a caller (of pandas, of xarray, and our own results) to columns with units."""
+"""Take the tables of a caller, of pandas, of xarray and our own, as columns with units."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,27 +18,31 @@ _NANOSECONDS: Final = 1e-9
 _PLACES: Final = ("s", "um")
 
 
-def given_columns(source: Any, *, sampled: bool = False) -> dict[str, Any] | None:
-    """Return columns by headers with units, time or distance first; None if the object is not such a table.
+def columns_of(given: Any, *, sampled: bool = False) -> Mapping[str, Any] | None:
+    """Return what a caller gives as columns by headers with units, time or distance first; None if it is no table.
 
     A table is a DataFrame, a Series whose index has a name or holds times, a DataArray or Dataset of one dimension, a
-    group of columns of a run or one of its columns, or a run, which means its trace.
+    group of columns of a run or one of its columns, a run, which means its trace, an object with ``columns``,
+    ``units``, ``place`` and ``step``, or a dict of arrays.
     ``sampled``: the caller says how often samples were taken, so that a column of a run is an array like any other.
     """
-    if hasattr(source, "provenance"):
-        source = source.trace
-    if isinstance(source, Column):
-        return None if sampled or source.about is None else _of_column(source)
-    if isinstance(source, Columns):
-        return {_header(name, column.units): column.values for name, column in source.items()}
-    if hasattr(source, "dims") and hasattr(source, "coords"):
-        return _of_xarray(source)
-    if hasattr(source, "index") and hasattr(source, "to_numpy"):
-        return _of_pandas(source)
-    return None
+    if all(hasattr(given, name) for name in ("columns", "units", "place", "step")):
+        names = (given.place, *(name for name in given.columns if name != given.place))
+        return {_header(name, given.units[name]): given.columns[name] for name in names}
+    if hasattr(given, "provenance"):
+        given = given.trace
+    if isinstance(given, Column):
+        return None if sampled or given.about is None else _of_column(given)
+    if isinstance(given, Columns):
+        return {_header(name, column.units): column.values for name, column in given.items()}
+    if hasattr(given, "dims") and hasattr(given, "coords"):
+        return _of_xarray(given)
+    if hasattr(given, "index") and hasattr(given, "to_numpy"):
+        return _of_pandas(given)
+    return given if isinstance(given, Mapping) else None
 
 
-def source_of(columns: Mapping[str, ArrayLike], name: str) -> Source:
+def source_of(columns: Mapping[str, ArrayLike], name: str, notes: tuple[str, ...] = ()) -> Source:
     """Return columns by headers with units as a source of samples; raises Refused for columns of unequal length.
 
     Quantities of pint are converted to the unit of their header, or have their own if it names none.
@@ -49,7 +53,7 @@ def source_of(columns: Mapping[str, ArrayLike], name: str) -> Source:
     if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
         raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
     heads = [replace(head, unit=unit) for head, (_, unit) in zip(heads, read, strict=True)]
-    return Source(path=name, heads=heads, arrays=dict(enumerate(arrays)))
+    return Source(path=name, heads=heads, arrays=dict(enumerate(arrays)), notes=notes)
 
 
 def _of_column(source: Column) -> dict[str, Any] | None:

@@ -1,6 +1,7 @@
 """From a measured trace to its junctions, as numbers with intervals."""
 
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, sqrt
 from typing import Any, Final, Literal
@@ -9,7 +10,10 @@ import numpy as np
 
 from rubnoise.api import keywords
 from rubnoise.api.fit import Inference
-from rubnoise.api.given_columns import given_columns, source_of
+from rubnoise.api.given_columns import columns_of, source_of
+from rubnoise.api.run import Run
+from rubnoise.api.run import open as open_result
+from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.contact import pulses
 from rubnoise.contact.births import PoissonBirths
@@ -21,8 +25,9 @@ from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, infer_signal
 from rubnoise.inference.signal import Signal, clipped, digits, joined
 from rubnoise.model import Model
-from rubnoise.real_numbers import real_numbers, with_unit
+from rubnoise.real_numbers import with_unit
 from rubnoise.record.reader import MemoryRecord
+from rubnoise.regular_file import is_hdf5
 from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
@@ -120,77 +125,59 @@ def infer(
 
 
 def _measured(trace: Any, asked: Asked) -> Source:
+    """Return the wanted column of what is given; of a run the force by default, or else the area."""
+    name, given = "trace", trace
     if isinstance(trace, str | os.PathLike):
         with refusing_files(trace):
-            own = _own_result(trace, asked)
-            return measured(opened_file(trace, asked.column), asked) if own is None else own
-    if all(hasattr(trace, name) for name in ("columns", "units", "place", "step")):
-        return measured(_of_trace(trace), asked)
-    if (columns := given_columns(trace, sampled=asked.rate is not None)) is not None:
-        return _of_columns(columns, asked, ours=hasattr(trace, "provenance"))
-    if asked.column is not None:
-        raise Refused(f"column=: {keywords.shown(asked.column)}: an array has one column; leave column= out")
-    values, unit = with_unit(trace, "trace", "")
-    if values.ndim != 1 or not values.size:
-        raise Refused(f"trace: has the shape {values.shape}; one row of finite numbers is needed")
-    return measured(Source(path="", heads=[Head("trace", unit, "trace")], arrays={0: values}), asked)
-
-
-def _of_trace(trace: Any) -> Source:
-    """Return the columns of a Trace, or of what looks like one, beside its places, which are even."""
-    names = [name for name in trace.columns if name != trace.place]
-    return Source(
-        path=getattr(trace, "name", "trace"),
-        heads=[Head(name, trace.units[name], name) for name in names],
-        arrays={n: real_numbers(trace.columns[name], name) for n, name in enumerate(names)},
-        step=trace.step,
-        along="time" if trace.units[trace.place] == "s" else "distance",
-        notes=tuple(getattr(trace, "notes", ())),
-    )
-
-
-def _of_columns(columns: dict[str, Any], asked: Asked, *, ours: bool) -> Source:
-    """Return a column of a table after its time or distance; for a run of ``ours`` the force, otherwise the area."""
-    source = source_of(columns, "trace")
+            name, given = os.fspath(trace), _own_result(trace)
+            if given is None:
+                return measured(opened_file(trace, asked.column), asked)
+    columns = columns_of(given, sampled=asked.rate is not None)
+    if columns is None:
+        return measured(_of_array(given, asked), asked)
+    source = source_of(columns, name, trace.notes if isinstance(trace, Trace) else ())
     others = [head.name for head in source.heads[1:]]
-    if asked.column is None and ours:
-        asked = replace(asked, column="friction_force" if "friction_force" in others else "real_contact_area")
+    if isinstance(given, Run):
+        asked = replace(asked, column=_column_of_run(name, others, asked.column))
     if asked.column is None and len(others) > 1:
         there = ", ".join(others)
         raise Refused(f'trace: column= is needed, one of {there}; right form: column="{others[0]}"')
-    chosen = (asked.place, asked.time, asked.rate) != (None, None, None)
-    if not chosen and source.heads[0].along(named=True):
+    if (asked.place, asked.time, asked.rate) == (None, None, None) and source.heads[0].along(named=True):
         asked = replace(asked, place="1")
     return measured(source, asked)
 
 
-def _own_result(trace: str | os.PathLike[str], asked: Asked) -> Source | None:
-    """Return a column of the trace of a result of ours; None for any other file."""
-    from rubnoise.regular_file import is_hdf5
+def _column_of_run(name: str, there: Sequence[str], wanted: str | None) -> str:
+    column = wanted or ("friction_force" if "friction_force" in there else "real_contact_area")
+    if column not in there or column not in {"friction_force", "real_contact_area"}:
+        raise Refused(
+            f"{name}: column=: {column} is neither friction_force, which needs a strength, nor real_contact_area"
+        )
+    return column
 
-    path, column = os.fspath(trace), asked.column
+
+def _of_array(values: Any, asked: Asked) -> Source:
+    if asked.column is not None:
+        raise Refused(f"column=: {keywords.shown(asked.column)}: an array has one column; leave column= out")
+    found, unit = with_unit(values, "trace", "")
+    if found.ndim != 1 or not found.size:
+        raise Refused(f"trace: has the shape {found.shape}; one row of finite numbers is needed")
+    return Source(path="", heads=[Head("trace", unit, "trace")], arrays={0: found})
+
+
+def _own_result(trace: str | os.PathLike[str]) -> Run | None:
+    """Open a result of ours; None for any other file."""
+    path = os.fspath(trace)
     if not os.path.exists(path) or not is_hdf5(path):  # noqa: PTH110  (a path with a colon may be no path)
         return None
-    from rubnoise.api.run import open as open_result
-
     try:
-        opened = open_result(path)
+        return open_result(path)
     except RunFileRefused as problem:
         try:
             opened_file(path)
         except Refused as refused:
             raise Refused(f"{problem}; {refused}") from problem
-    with opened as run:
-        there = run.trace
-        name = column or ("friction_force" if "friction_force" in there else "real_contact_area")
-        if name not in there or name not in {"friction_force", "real_contact_area"}:
-            raise Refused(
-                f"{path}: column=: {name} is neither friction_force, which needs a strength, nor real_contact_area"
-            )
-        head = Head(name, "uN" if name == "friction_force" else "um^2", name)
-        values = np.asarray(there[name][:], dtype=np.float64)
-        held = Source(path=path, heads=[head], arrays={0: values}, step=run.scenario.model().tick, along="distance")
-    return measured(held, replace(asked, column=None))
+        raise
 
 
 def _named(found: Source) -> str:

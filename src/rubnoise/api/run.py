@@ -25,7 +25,6 @@ from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Attributes, Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
-from rubnoise.storage.life_curve import stored_pulse
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.tables import as_html, shortened
 
@@ -224,8 +223,7 @@ class Run:
             raise IndexError(f"junction {number}: the run has {there}")
         values = columns.row(number)
         del values["junction"]
-        pulse = stored_pulse(self.provenance["scenario_resolved"])
-        return Junction(number=number, pulse=pulse, **values | {"state": JunctionState(values["state"])})
+        return Junction(number=number, pulse=self.model().pulse, **values | {"state": JunctionState(values["state"])})
 
     def compare(self, bound: float | None = None) -> "Comparison":
         """Compare the rows with the theory of the scenario: a table with z-scores, and ``passed``.

@@ -15,7 +15,7 @@ from rubnoise.analysis.records import BINS, Histogram, RecordTooShort, autocovar
 from rubnoise.api import keywords
 from rubnoise.api.columns import Column, Table, with_units
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
-from rubnoise.api.given_columns import given_columns, source_of
+from rubnoise.api.given_columns import columns_of, source_of
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.signal import clipped, digits
@@ -85,13 +85,12 @@ class Trace(Table):
             with refusing_files(source):
                 found = measured(opened(source, asked.column), asked, every=True)
         else:
-            name, columns = name or "trace", given_columns(source, sampled=rate is not None)
-            if columns is None and not isinstance(source, Mapping):
+            name, first = name or "trace", "1" if (place, time, rate) == (None, None, None) else place
+            columns = columns_of(source, sampled=rate is not None)
+            if columns is None:
                 _refuse("of an array, whose place is time", place=place, time=time, column=column)
-                columns, rate, unit = _of_array(source, name, rate, unit), None, None
-            first = "1" if (place, time, rate) == (None, None, None) else place
-            asked = keywords.asked(place=first, rate=rate, **part)
-            found = measured(source_of(columns or source, name), asked, every=True)
+                columns, first, rate, unit = _of_array(source, name, rate, unit), "1", None, None
+            found = measured(source_of(columns, name), keywords.asked(place=first, rate=rate, **part), every=True)
         _fill(self, *_traced(found, name, unit))
 
     @classmethod

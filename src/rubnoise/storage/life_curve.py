@@ -1,14 +1,12 @@
 """The life of any junction as a table that any tool can interpolate, by the pulse that the file names."""
 
-import json
 from functools import cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import LENS, OFF_CENTRE, PULSES, Pulse, Shape, pulse_of
-from rubnoise.errors import RunFileRefused
+from rubnoise.contact.pulses import OFF_CENTRE, PULSES, Pulse, Shape
 
 _WHERE: Final = (
     " with d = diameter, x = |d - (s - birth_distance)|, for birth_distance <= s < death_distance, and 0 elsewhere"
@@ -28,24 +26,6 @@ TOUCH_AREA_FORMULA: Final = (
     " summit of height h at x, c^2 = 4 mean_real_contact_area/(pi mean_junction_count)"
 )
 """The area of a junction under a slider that may leave its contact."""
-
-
-def stored_pulse(scenario_resolved: object) -> Pulse:
-    """Return the pulse of the resolved scenario in /provenance; one that names none is of the lens, through centres.
-
-    Raises RunFileRefused if the scenario is not valid, or for a shape or an offset that is not known.
-    """
-    try:
-        section = json.loads(str(scenario_resolved)).get("pulse", {})
-        shape, offset = section.get("shape", LENS.shape), section.get("offset", "none")
-    except (ValueError, RecursionError, AttributeError) as problem:
-        raise RunFileRefused("the scenario in the file cannot be read") from problem
-    for what, found, known in (("shape", shape, (*PULSES,)), ("offset", offset, ("none", "uniform"))):
-        if found not in known or (found == "uniform" and shape not in OFF_CENTRE):
-            raise RunFileRefused(
-                f"the scenario in the file has the pulse {what} {str(found)[:40]!r}, which is not known"
-            )
-    return pulse_of(shape, offset)
 
 
 HALF_POINTS = 512
