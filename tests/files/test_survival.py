@@ -69,9 +69,9 @@ def test_a_call_that_fails_leaves_one_line_and_the_older_result(story: Story) ->
 def test_an_older_result_that_goes_too_early_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     finish = PartFile.finish
 
-    def removing(self: PartFile, *, durable: bool = True) -> None:
+    def removing(self: PartFile) -> None:
         self.final.unlink(missing_ok=True)
-        finish(self, durable=durable)
+        finish(self)
 
     monkeypatch.setattr(PartFile, "finish", removing)
     calls = calls_of(BARE, older=True)

@@ -161,7 +161,7 @@ def test_of_many_writers_one_has_the_part_and_no_result_is_cut(tmp_path: Path) -
                 os.pwrite(part.descriptor, b"whole", 0)
                 with guard:
                     inside[0] -= 1
-                part.finish(durable=False)
+                part.finish()
                 assert (tmp_path / "run.h5").read_bytes() in (b"", b"whole")
 
     with pytest.MonkeyPatch.context() as patch:

@@ -17,6 +17,7 @@ from rubnoise.runs.folder import Shard, check_folder, file_of, found, read
 from rubnoise.runs.making import describe
 from rubnoise.runs.verify import verify_sweep
 from rubnoise.scenario.sweep import Sweep, expand, run_id
+from rubnoise.storage.output import PartFile
 from rubnoise.storage.writer import RunWriter
 from tests.unit.scenarios import GRID, sweep_of
 
@@ -207,18 +208,16 @@ def test_a_run_that_another_process_is_making_is_left_to_it(folder: Path, tmp_pa
         assert swept.count("done") == 4
 
 
-def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_disk_that_fails_makes_the_run_a_failed_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     bad = file_of(tmp_path / "d", expand(small(tmp_path))[1].run_id, "runs")
-    flush = sweep._flush
+    finish = PartFile.finish
 
-    def failing(path: Path) -> None:
-        if path == bad:
+    def failing(part: PartFile) -> None:
+        if part.final == bad:
             raise OSError(EIO, "Input/output error")
-        flush(path)
+        finish(part)
 
-    monkeypatch.setattr(sweep, "_flush", failing)
+    monkeypatch.setattr(PartFile, "finish", failing)
     with rubnoise.sweep(small(tmp_path), tmp_path / "d", jobs=1) as swept:
         (failure,) = swept.failures
         assert (swept.count("done"), failure.run_id) == (3, bad.stem)

@@ -133,7 +133,6 @@ def run(
     watch: Watch | None = None,
     observe: Observer | None = None,
     intervene: Intervention | None = None,
-    durable: bool = True,
     **unknown: Any,
 ) -> Run:
     """Run a scenario into a result file and open it; without a path keep it in memory, as `simulate` does.
@@ -142,8 +141,7 @@ def run(
     complete. ``command`` is the command line that /provenance shows. ``watch`` is called at the start, before anything
     is created, and after each tick range. ``observe`` and ``intervene`` are as in `simulate`; /provenance names an
     intervention. An exception of either, or a signal, ends the run, and nothing of it remains; the same call gives the
-    same bits. Without ``durable`` the run does not wait for the disk, and a power cut within half a minute may lose the
-    file. Raises OutputRefused before anything is created, also if another process writes the same result. Raises
+    same bits. Raises OutputRefused before anything is created, also if another process writes the same result. Raises
     ScenarioRefused for an invalid seed, and Refused if the memory is too small or `simulate` would refuse.
 
     >>> import rubnoise
@@ -161,7 +159,7 @@ def run(
     description = describe(scenario, path, command or this_command(), intervene)
     if watch is not None:
         watch(0.0, 0, 0)
-    with RunWriter(path, description, force=force, durable=durable) as writer:
+    with RunWriter(path, description, force=force) as writer:
         play(writer, scenario, watch=watch, observe=observe, intervene=intervene)
     return Run(open_run(path))
 

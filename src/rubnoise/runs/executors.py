@@ -34,15 +34,13 @@ from rubnoise.streams import STREAM_VERSION
 class Workers:
     """What opens an executor, and how many calls it makes at a time.
 
-    ``here``: calls are made in this process when they are submitted. ``elsewhere``: files may be on other machines'
-    disks when a call returns.
+    ``here``: calls are made in this process when they are submitted.
     """
 
     start: Callable[[], AbstractContextManager[Any]]
     lanes: Callable[[], int]
     _: KW_ONLY
     here: bool = False
-    elsewhere: bool = False
 
 
 class WorkLost(RubnoiseError):  # noqa: N818  (says what happened)
@@ -151,7 +149,7 @@ def given(executor: Any, jobs: int | None) -> Workers:
     if not hasattr(executor, "submit"):
         form = "an executor has submit(function, *arguments), which returns a Future"
         raise Refused(f"executor=: {type(executor).__name__} is no executor; {form}")
-    return Workers(lambda: nullcontext(executor), lambda: jobs or processors(), elsewhere=True)
+    return Workers(lambda: nullcontext(executor), lambda: jobs or processors())
 
 
 @contextmanager
@@ -193,7 +191,7 @@ def of_client(client: Any) -> Workers:
         except OSError as problem:
             raise WorkLost(SCHEDULER_GONE) from problem
 
-    return Workers(start, lanes, elsewhere=True)
+    return Workers(start, lanes)
 
 
 def _check_versions(client: Any) -> None:

@@ -52,11 +52,11 @@ def file_of(folder: Path, run_id: str, keep: Keep) -> Path:
     return folder / RUNS / f"{run_id}{SUFFIXES[keep]}"
 
 
-def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], durable: bool, watch: Watch) -> Figures:
+def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch) -> Figures:
     """Make one run into its file, unless it is there, and return its figures.
 
     ``watch`` is called after each range of ticks, and may raise. Raises OutputInUse if another process is making the
-    run, OutputRefused if the result of another run is in its place. Unless ``durable``, the caller flushes the file.
+    run, OutputRefused if the result of another run is in its place.
     """
     path = file_of(folder, point.run_id, keep)
     if (there := found(point, path)) is not None:
@@ -66,7 +66,7 @@ def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], dura
         with whole_file(path, force=True) as part:
             _save(part, point.scenario, summary)
         return summary
-    with RunWriter(path, describe(point.scenario, path, command), force=True, durable=durable) as writer:
+    with RunWriter(path, describe(point.scenario, path, command), force=True) as writer:
         return numbers_in(play(writer, point.scenario, watch=watch))
 
 

@@ -24,7 +24,7 @@ from rubnoise.scenario.sweep import Case, Point, Sweep, points_of
 from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.storage.index import index_bytes
 from rubnoise.storage.layout import this_command
-from rubnoise.storage.output import OutputInUse, reason_of, whole_file
+from rubnoise.storage.output import OutputInUse, whole_file
 from rubnoise.storage.reader import InUse
 
 Ended = Mapping[str, Mapping[str, float]]
@@ -171,7 +171,6 @@ class _Making:
         self.found, self._before, self._replicates = known_runs(root, sweep)
         self._failed: dict[str, str] = {}
         self._held: set[str] = set()
-        self._unsynced: list[Path] = []
         self._runs = self._beside = self._already = 0
         self.adaptive = AdaptiveReplicates(shard.of_sweep(sweep) if shard is not None and sweep.precision else sweep)
         names = [point.run_id for point in self.adaptive.points]
@@ -196,7 +195,6 @@ class _Making:
                 folder=self.root,
                 keep=self.sweep.keep,
                 command=self._command,
-                durable=opened.elsewhere,
                 watch=self._tell if opened.here else _unwatched,
             )
             self._tell()
@@ -231,7 +229,6 @@ class _Making:
             with suppress(OutputRefused, RunFileRefused):  # which is said of the run when it is to be made
                 if (there := found(point, path)) is not None:
                     self.found[point.run_id] = there
-                    self._unsynced.append(path)
         return point.run_id in self.found
 
     def _record(self, outcome: Outcome[Figures]) -> None:
@@ -239,7 +236,6 @@ class _Making:
         self._before.pop(run_id, None)
         if outcome.result is not None:
             self.found[run_id] = outcome.result
-            self._unsynced.append(file_of(self.root, run_id, self.sweep.keep))
         elif isinstance(problem, OutputInUse | InUse):
             self._held.add(run_id)
         else:
@@ -271,7 +267,6 @@ class _Making:
         """Write the index over an older one, by default with all runs that are there now."""
         with whole_file(self.root / INDEX, force=True) as part:
             points = points or self._all_points()
-            self._sync()
             index = index_of(self.sweep, points, self.found, self._before | self._failed, join(self._command))
             part.write_bytes(index_bytes(index))
 
@@ -284,30 +279,6 @@ class _Making:
         while more := [point for point in whole(self._ended()) if point.run_id not in looked_for]:
             looked_for |= {point.run_id for point in more if not self._take_up(point)}
         return whole.points
-
-    def _sync(self) -> None:
-        """Flush the files of new runs to disk before an index calls them done, then their folder.
-
-        A file that cannot be flushed is removed: it could look complete when read again, and never be on disk.
-        """
-        for path in self._unsynced:
-            try:
-                _flush(path)
-            except OSError as problem:
-                path.unlink(missing_ok=True)
-                self.found.pop(path.stem, None)
-                self._failed[path.stem] = f"{path}: writing failed: {reason_of(problem)}"
-        if self._unsynced:
-            _flush(self.root / RUNS)
-        self._unsynced.clear()
-
-
-def _flush(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _unwatched(*_: object) -> None:

@@ -124,14 +124,13 @@ class PartFile:
                 raise
             _note("this file system reserves no space: a disk that is too small shows only when it is full")
 
-    def finish(self, *, durable: bool = True) -> None:
-        """Close the complete file and give it its final name; if ``durable``, it is on disk then (fsync).
+    def finish(self) -> None:
+        """Close the complete file and give it its final name; it is on disk then (fsync).
 
         If another file has the name of the part by now, it stays and is not published (OutputSwappedError). Without
         ``force`` a file that appeared under the final name stays, too (OutputAppearedError), beside the part.
         """
-        if durable:
-            os.fsync(self.descriptor)
+        os.fsync(self.descriptor)
         if not _is(self.path, os.fstat(self.descriptor)):
             raise OutputSwappedError(
                 f"{self.path}: another file has taken its place during the run; it is left as it is, and {self.final}"
@@ -144,13 +143,12 @@ class PartFile:
             )
         self.path.replace(self.final)
         self._let_go()
-        if durable:
-            with suppress(PermissionError):  # of a folder that may be written, and not read
-                folder = os.open(self.final.parent, os.O_RDONLY)
-                try:
-                    os.fsync(folder)
-                finally:
-                    os.close(folder)
+        with suppress(PermissionError):  # of a folder that may be written, and not read
+            folder = os.open(self.final.parent, os.O_RDONLY)
+            try:
+                os.fsync(folder)
+            finally:
+                os.close(folder)
 
     def close(self) -> None:
         """Close the file, and remove it if it still has the name of the part."""

@@ -37,15 +37,13 @@ class RunWriter:
     If the context ends without ``publish``, nothing is left, and an older file at the path stays. Rows of a group whose
     size is not known yet wait in files without names in the folder of the result.
 
-    Without ``durable`` the writer does not wait for the disk: a power cut may lose the file until another call has
-    flushed it. Entering raises OutputRefused (see `part_file`; also for a full disk).
+    Entering raises OutputRefused (see `part_file`; also for a full disk).
     """
 
     path: str | os.PathLike[str]
     about: RunDescription
     _: KW_ONLY
     force: bool = False
-    durable: bool = True
     _columns: "dict[Name, _Column]" = field(default_factory=dict, init=False)
 
     def __enter__(self) -> Self:
@@ -88,7 +86,7 @@ class RunWriter:
                             file[group.name][name][first : first + values.size] = values
                             between()
                 complete(file, self.about, digests, summary, now())
-            self._part.finish(durable=self.durable)
+            self._part.finish()
 
     def _begin(self, opening: ExitStack) -> None:
         """Make the file with its final structure and size, and the files for rows whose place is not known yet."""
