@@ -140,7 +140,7 @@ def test_the_scenario_of_a_run_runs_again_to_the_same_bits(scenario: Any, tmp_pa
 
 @pytest.mark.parametrize("seed", [-1, 2**53, 1.5, True, "7"])
 def test_a_seed_that_is_none_is_refused(contact: Any, tmp_path: Path, seed: Any) -> None:
-    with pytest.raises(ScenarioRefused, match=rf"run\.seed: {seed} is no whole number from 0 to"):
+    with pytest.raises(ScenarioRefused, match=r"run\.seed: (too|needs)"):
         rubnoise.simulate(contact, seed=seed)
     with pytest.raises(ScenarioRefused, match=r"run\.seed"):
         rubnoise.run(contact, tmp_path / "x.h5", seed=seed)

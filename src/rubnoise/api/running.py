@@ -4,7 +4,6 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from operator import index
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, cast
@@ -12,7 +11,7 @@ from typing import Any, cast
 from rubnoise.api.column_group import Columns
 from rubnoise.api.run import Run
 from rubnoise.api.scenarios import load
-from rubnoise.errors import Refused, ScenarioRefused
+from rubnoise.errors import Refused
 from rubnoise.runs.making import KeptRun, describe, play
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.draws import Engine, extent
@@ -26,7 +25,6 @@ from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import check_output
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.writer import RunWriter
-from rubnoise.streams import SEED_LIMIT
 from rubnoise.theory.exact import Exact
 from rubnoise.theory.exact import exact as exact_of_model
 
@@ -186,14 +184,5 @@ def _engine(scenario: Scenario) -> Engine:
 
 
 def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
-    """Return the scenario with another seed, so that the stored scenario is the one that was run."""
-    if seed is None:
-        return scenario
-    try:
-        # A fraction would be cut by the generator, and the file would name a seed that cannot be run again.
-        number = -1 if isinstance(seed, bool) else index(seed)
-    except TypeError:
-        number = -1
-    if not 0 <= number < SEED_LIMIT:
-        raise ScenarioRefused(f"run.seed: {seed} is no whole number from 0 to {SEED_LIMIT - 1}")
-    return replace(scenario, run=replace(scenario.run, seed=number))
+    """Return the scenario with another seed, so that the stored one is the one that was run; its text stays as read."""
+    return scenario if seed is None else replace(scenario.replace(seed=seed), text=scenario.text)
