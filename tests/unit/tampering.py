@@ -126,7 +126,8 @@ DEPARTURE = np.array([np.inf, np.inf, np.inf, 8.0, 12.0, 11.0, np.inf, np.inf])
 def lives_file(path: Path, features: frozenset[Feature] = EVERY_FEATURE, compression: Any = "none") -> RunFile:
     """Write the file and open it; the caller closes it."""
     description = describe(BIRTH.size, 5, features=features, compression=compression)
-    resolved = json.dumps({"sliding": {"distance": f"{RECORD_END} um"}})
+    interface = {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20}
+    resolved = json.dumps({"format": 1, "interface": interface, "sliding": {"distance": f"{RECORD_END} um"}})
     description = replace(description, provenance={**description.provenance, "scenario_resolved": resolved})
     rows: dict[str, Mapping[str, NDArray[Any]]] = dict(random_rows(description))
     contact = model(

@@ -1,21 +1,24 @@
 """The columns of one group of a result, by name."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.columns import Column, Table
+from rubnoise.api.columns import Column
 from rubnoise.api.keywords import shown
 from rubnoise.arrays import slices
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
+from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
+    import xarray as xr
+    from matplotlib.figure import Figure
 
 
 Read = Callable[..., NDArray[Any]]
@@ -30,7 +33,7 @@ def _chosen(read: Read, numbers: NDArray[np.int64], name: str, start: int = 0, s
     return rows
 
 
-class Columns(Table, dict[str, Column]):
+class Columns(dict[str, Column]):
     """The columns of one group of a result, by name: ``run.trace["real_contact_area"]``, each read when it is needed.
 
     ``len`` is the number of rows; iteration gives the names, the column first on which the others depend. It is a dict
@@ -44,32 +47,27 @@ class Columns(Table, dict[str, Column]):
 
     def __init__(self, about: schema.Group, columns: Mapping[str, schema.Dataset], rows: int, read: Read) -> None:
         """Take descriptions of the columns of a group, the number of their rows, and what reads some of them."""
-        self.name = about.name
-        self.long_name = about.long_name
-        self._about = about
+        self.name, self.long_name = about.name, about.long_name
+        self._about, self._called = about, f"/{about.name}"
         self._columns = dict(columns)
         self._length, self._read = rows, read
 
-    _titled = False
     __eq__ = object.__eq__
     __hash__ = object.__hash__  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Columns, (self._about, self._columns, self._length, self._read)
+        return _unread, (type(self), self.__dict__)
 
     def __getitem__(self, name: str) -> Column:
         """Read one column; raises KeyError, which lists the names."""
         if not isinstance(name, str):
-            raise KeyError(f"/{self.name} has columns by name, {', '.join(self.names)}; {self._instead_of(name)}")
+            raise KeyError(f"{self._called} has columns by name, {', '.join(self.names)}; {self._instead_of(name)}")
         if name not in self._columns:
             homes = [group.name for group in schema.GROUPS if any(each.name == name for each in group.columns)]
             other = f"; run.{homes[0]}[{name!r}] has it, if the run has it" if homes else ""
-            raise KeyError(f"/{self.name} has no column {name!r}; it has {', '.join(self.names)}{other}")
+            raise KeyError(f"{self._called} has no column {name!r}; it has {', '.join(self.names)}{other}")
         place = None if name == self.names[0] else partial(self.__getitem__, self.names[0])
         return Column(self._read(name), self._columns[name], place)
-
-    def _described(self, name: str) -> Column:
-        return self[name]
 
     def _instead_of(self, index: Any) -> str:
         if isinstance(index, list | tuple) and all(isinstance(each, str) for each in index):
@@ -83,7 +81,7 @@ class Columns(Table, dict[str, Column]):
             return self[name]
         hint = "; .names lists the columns, len() counts the rows" if name in ("columns", "shape", "size") else ""
         known = f"it has {', '.join(columns)}{hint}"
-        raise AttributeError(f"/{self.__dict__.get('name', '')} has no column {name!r}; {known}")
+        raise AttributeError(f"{self._called if columns else type(self)} has no column {name!r}; {known}")
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._columns]
@@ -163,11 +161,86 @@ class Columns(Table, dict[str, Column]):
 
     @property
     def _heading(self) -> str:
-        return f"/{self.name}: {self.long_name}, {len(self):,} rows"
+        """The first line of the table as it is shown."""
+        return f"{self._called}: {self.long_name}, {len(self):,} rows"
 
     def _rows(self) -> list[tuple[str, str, str]]:
-        """Return name, unit and meaning of each column, without reading it."""
-        return [(name, each.units, each.long_name) for name, each in self._columns.items()]
+        """Return name and unit of each column, and its meaning, or its range if that is not known."""
+        return [(name, each.units, each.long_name or self._range(name)) for name, each in self._columns.items()]
+
+    def _range(self, name: str) -> str:
+        column = self[name]
+        return f"{column.min():.6g} to {column.max():.6g}"
+
+    def __repr__(self) -> str:
+        rows = self._rows()
+        width = max(len(name) for name, _, _ in rows)
+        return shortened([self._heading, *(f"  {name:<{width}}  {unit:<5}  {text}" for name, unit, text in rows)])
+
+    def _repr_html_(self) -> str:
+        return as_html(self._heading, ("column", "unit", ""), self._rows())
+
+    def plot(self, name: str | None = None) -> "Figure":
+        """Draw a column over the first one, all of them without a name, and return the figure."""
+        from rubnoise.api.pictures import drawn_columns
+
+        place, *columns = (self[each] for each in (self.names if name is None else (self.names[0], name)))
+        return drawn_columns((place.values, place.label), [(each.values, each.label) for each in columns])
+
+    def to_pandas(self, names: Sequence[str] | None = None) -> "pd.DataFrame":
+        """Return all columns, or those (or the one) named, as a pandas DataFrame whose index is the first column.
+
+        Units are in ``frame.attrs["units"]``, by name. Raises KeyError for an unknown name, ExtraMissing without
+        pandas.
+        """
+        with needing("analysis", "to_pandas"):
+            import pandas as pd
+        scale, *rest = self.names
+        asked = rest if names is None else [names] if isinstance(names, str) else names
+        columns = {name: self[name] for name in (scale, *asked)}
+        units = {name: column.units for name, column in columns.items()}
+        place = pd.Index(columns.pop(scale).values, name=scale)
+        frame = pd.DataFrame({name: column.values for name, column in columns.items()}, index=place)
+        frame.attrs["units"] = units
+        return frame
+
+    def to_xarray(self, *, index: bool = True) -> "xr.Dataset":
+        """Return all columns as an xarray Dataset with units; a column of a file above 64 MB is read when it is needed.
+
+        The first column becomes the coordinate: with ``index`` ``.sel`` finds rows by it. Raises ExtraMissing without
+        xarray.
+        """
+        with needing("analysis", "to_xarray"):
+            import xarray as xr
+        scale = self.names[0]
+        variables = {name: xr.Variable((scale,), each.values, each.attributes) for name, each in self.items()}
+        place = {scale: variables.pop(scale)}
+        coordinates = place if index else xr.Coordinates(place, indexes={})
+        return xr.Dataset(variables, coords=coordinates, attrs={"title": self.name})
+
+
+class Table(Columns):
+    """Columns in memory, the first of which is the place of the others."""
+
+    def __init__(self, name: str, columns: Mapping[str, Column]) -> None:
+        """Take columns of equal length by their names."""
+        about = {each: column.about for each, column in columns.items() if column.about is not None}
+        arrays = {each: column.values for each, column in columns.items()}
+        group = schema.Group(name=name, long_name="", columns=(), plotted="")
+        super().__init__(group, about, len(next(iter(arrays.values()))), partial(kept_rows, arrays))
+        self._called = name
+
+
+def _unread(kind: type[Columns], state: dict[str, Any]) -> Columns:
+    """Return columns that were pickled or copied without their rows."""
+    found = kind.__new__(kind)
+    found.__dict__.update(state)
+    return found
+
+
+def kept_rows(arrays: Mapping[str, NDArray[Any]], name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+    """Return rows of an array in memory, which a user may change."""
+    return arrays[name][start:stop].copy()
 
 
 def columns_by_group(rows: Rows) -> dict[str, Columns]:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from math import pi
 from types import MappingProxyType
@@ -11,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.analysis.spectra import SEGMENTS, WelchSum, force_spectrum
-from rubnoise.api.column_group import SHORT
-from rubnoise.api.columns import Column, Table, with_units
+from rubnoise.api.column_group import SHORT, Table
+from rubnoise.api.columns import Column, with_units
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -30,105 +29,64 @@ SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(
 """The units of spectra over frequency, and how many of them a working unit is."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class PowerSpectrum(Table):
-    """Welch's estimate of a power spectral density, with Hann windows that overlap by half.
+    """Welch's estimate of a power spectral density, with Hann windows that overlap by half: a table of columns.
 
     Of a record in time: one-sided, over ``frequency`` in Hz, in SI units such as (m/s)^2/Hz. Of a record along the
     sliding distance: two-sided, over ``wavenumber`` in rad/um, as `rubnoise.exact(...).spectral_density` has it.
-    ``exact`` is the exact density there if theory knows it, else None.
+    ``density`` and its ``standard_error`` are columns, and so is ``exact``, the exact density, if theory knows it.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
     ...     seen = run.psd("velocity")
-    >>> seen.units, seen.place_units, bool(seen.density[np.argmin(abs(seen.frequency - 39.0))] > seen.density[-1])
-    ('(m/s)^2/Hz', 'Hz', True)
+    >>> seen.frequency.units, seen.density.units, round(float(seen.frequency[seen.density.argmax()]))
+    ('Hz', '(m/s)^2/Hz', 39)
     """
 
-    name: str
-    place: Doubles
-    place_units: str
-    density: Doubles
-    units: str
-    standard_error: Doubles
-    segments: int
-    exact: Doubles | None = None
+    def __init__(self, name: str, columns: Mapping[str, Column], segments: int) -> None:
+        """Take the columns, places first, and the number of segments that the estimate is a mean of."""
+        super().__init__(name, columns)
+        self.segments = segments
 
     @property
-    def frequency(self) -> Doubles:
-        """Frequencies in Hz; raises Refused for a record along the distance, which has wavenumbers."""
-        return self._places("frequency")
+    def place(self) -> Column:
+        """Frequencies or wavenumbers."""
+        return self[self.names[0]]
 
     @property
-    def wavenumber(self) -> Doubles:
-        """Wavenumbers in rad/um; raises Refused for a record in time, which has frequencies."""
-        return self._places("wavenumber")
-
-    def _places(self, name: str) -> Doubles:
-        if self.names[0] != name:
-            raise Refused(f"this spectrum is over {self.place_units}: it has .{self.names[0]}")
-        return self.place
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Place, density, standard error and, if theory knows it, the exact density."""
-        place = "frequency" if self.place_units == "Hz" else "wavenumber"
-        return (place, "density", "standard_error", *(["exact"] if self.exact is not None else []))
-
-    def _described(self, name: str) -> Column:
-        if name not in self.names:
-            raise KeyError(f"this spectrum has {', '.join(self.names)}, not {name!r}")
-        units = self.place_units if name == self.names[0] else self.units
-        return with_units(getattr(self, name), name, units)
+    def exact(self) -> Column | None:
+        """The exact density; None if theory does not know it."""
+        found: Column | None = self.get("exact")
+        return found
 
     def plot(self, name: str | None = None) -> "Figure":
         """Draw a column, or density and exact density on logarithmic axes without a name, and return the figure."""
         from rubnoise.api.pictures import drawn_columns
 
+        if name:
+            return super().plot(name)
         curves = {"estimated": self.density[1:]} | ({} if self.exact is None else {"exact": self.exact[1:]})
-        along = self.place[1:], f"{self.names[0]} ({self.place_units})"
-        shown = [(curves, f"spectral density of {self.name}\n({self.units})")]
-        return Table.plot(self, name) if name else drawn_columns(along, shown, logarithmic=True)
+        shown = [(curves, f"spectral density of {self.name}\n({self.density.units})")]
+        return drawn_columns((self.place[1:], self.place.label), shown, logarithmic=True)
 
     @property
     def _heading(self) -> str:
-        sides = "one-sided" if self.place_units == "Hz" else "two-sided"
-        return f"{sides} spectrum of {self.name} at {self.place.size:,} points, of {self.segments:,} segments"
+        sides = "one-sided" if "frequency" in self else "two-sided"
+        return f"{sides} spectrum of {self.name} at {len(self):,} points, of {self.segments:,} segments"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Autocovariance(Table):
-    """The autocovariance of a record at lags from 0 on: ``covariance`` in ``units``, ``lag`` in ``lag_units``.
+    """The autocovariance of a record, a table over ``lag`` from 0 on: ``covariance``, and ``correlation`` to lag 0.
 
     >>> import rubnoise
     >>> measured = rubnoise.Trace.from_arrays({"time (s)": [0.0, 0.1, 0.2, 0.3], "force (N)": [1.0, 2.0, 1.0, 2.0]})
-    >>> measured.acf(longest="0.1 s").correlation
+    >>> measured.acf(longest="0.1 s").correlation.values
     array([ 1.  , -0.75])
     """
 
-    name: str
-    lag: Doubles
-    lag_units: str
-    covariance: Doubles
-    units: str
-
-    @property
-    def correlation(self) -> Doubles:
-        """The covariance over its value at lag 0, which is the variance."""
-        return self.covariance / self.covariance[0]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Lag, covariance and correlation."""
-        return "lag", "covariance", "correlation"
-
-    def _described(self, name: str) -> Column:
-        units = {"lag": self.lag_units, "covariance": self.units, "correlation": "1"}
-        return with_units(getattr(self, name), name, units[name])
-
     @property
     def _heading(self) -> str:
-        return f"autocovariance of {self.name} at {self.lag.size:,} lags"
+        return f"autocovariance of {self.name} at {len(self):,} lags"
 
 
 def power_spectrum(
@@ -158,20 +116,17 @@ def power_spectrum(
     seen = total.spectrum()
     if place_units == "s":
         shown, scale = SI.get(units, (units, 1.0))
-        factor = 2.0 * scale**2
-        place, over, per = seen.wavenumber / (2.0 * pi), "Hz", f"{_squared(shown)}/Hz"
+        factor, per = 2.0 * scale**2, f"{_squared(shown)}/Hz"
+        place = with_units(seen.wavenumber / (2.0 * pi), "frequency", "Hz")
     else:
-        factor, place, over = 1.0, seen.wavenumber, f"rad/{place_units}"
-        per = f"{_squared(units)} per {over}"
-    return PowerSpectrum(
-        name=name,
-        place=place,
-        place_units=over,
-        density=factor * seen.density,
-        units=per,
-        standard_error=factor * seen.standard_error,
-        segments=seen.segments,
-    )
+        factor, per = 1.0, f"{_squared(units)} per rad/{place_units}"
+        place = with_units(seen.wavenumber, "wavenumber", f"rad/{place_units}")
+    columns = {
+        place.name: place,
+        "density": with_units(factor * seen.density, "density", per),
+        "standard_error": with_units(factor * seen.standard_error, "standard_error", per),
+    }
+    return PowerSpectrum(name, columns, seen.segments)
 
 
 def _length(segment: Any, place_units: str) -> float:
@@ -206,7 +161,9 @@ def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum
         place_units="s" if slider else "um",
         segment=segment,
     )
-    return replace(seen, exact=_exact_density(model, quantity, seen))
+    if (exact := _exact_density(model, quantity, seen)) is None:
+        return seen
+    return PowerSpectrum(quantity, {**seen, "exact": with_units(exact, "exact", seen.density.units)}, seen.segments)
 
 
 def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
@@ -215,15 +172,15 @@ def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles 
     from rubnoise.theory.second_order import spectral_density
 
     try:
-        if seen.place_units == "rad/um":
+        if "wavenumber" in seen:
             if quantity == "real_contact_area":
-                return spectral_density(model, seen.place)
+                return spectral_density(model, seen.place.values)
             if quantity == FORCE and model.strengths is not None:
-                return density_of(model, FORCE, seen.place)
+                return density_of(model, FORCE, seen.place.values)
             return None
         if model.is_two_way:
             return None
-        angular = 2.0 * pi * seen.place
+        angular = 2.0 * pi * seen.place.values
         found = force_spectrum(model, angular) if quantity == FORCE else motion_spectrum(quantity, model, angular)
     except (Refused, KeyError):
         return None

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.column_group import Columns
+from rubnoise.api.column_group import Columns, kept_rows
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
@@ -258,12 +258,9 @@ class SweepResult:
 
 def _columns(group: str, columns: Mapping[str, Filled]) -> Columns:
     about = Group(name=group, long_name=f"the {group} of a sweep", columns=(), plotted="")
-    rows = len(next(iter(columns.values())).values)
-    return Columns(about, {name: column.about for name, column in columns.items()}, rows, partial(_rows, columns))
-
-
-def _rows(columns: Mapping[str, Filled], name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-    return columns[name].values[start:stop].copy()
+    arrays = {name: column.values for name, column in columns.items()}
+    rows = len(next(iter(arrays.values())))
+    return Columns(about, {name: column.about for name, column in columns.items()}, rows, partial(kept_rows, arrays))
 
 
 def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:

@@ -1,11 +1,10 @@
 """Measurements of the user's own: records that are uniform in time or distance, read from a file and checked."""
 
 import os
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping
+from copy import copy
 from math import isfinite
 from numbers import Real
-from types import MappingProxyType
 from typing import Any, Final, Self, overload
 
 import numpy as np
@@ -13,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from rubnoise.analysis.records import BINS, Histogram, RecordTooShort, autocovariance, histogram
 from rubnoise.api import keywords
-from rubnoise.api.columns import Column, Table, with_units
+from rubnoise.api.column_group import Table
+from rubnoise.api.columns import Column, with_units
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
 from rubnoise.api.given_columns import columns_of, source_of
 from rubnoise.arrays import Doubles
@@ -29,11 +29,10 @@ CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
 """Kinds whose units are converted to the working unit."""
 
 
-@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class Trace(Table):
     """Columns over a uniform ``place``, such as a time in s or a sliding distance in um.
 
-    ``columns`` are arrays by name and ``units`` their units, the place among them; ``step`` is the spacing of places.
+    ``trace["force"]`` is a column with its unit, ``units`` are those of all; ``step`` is the spacing of places.
     Lengths, areas, speeds, forces, stresses, masses and times are converted to um, um^2, um/s, uN, MPa, kg and s; other
     units, such as V, stay as they are. ``Trace("trace.csv")`` reads a file as `from_csv` does, with the options of
     `infer`, and ``Trace(values, rate="10 kHz", unit="N")`` takes one array as `from_array` does; `from_arrays` takes
@@ -42,16 +41,9 @@ class Trace(Table):
 
     >>> import rubnoise
     >>> measured = rubnoise.Trace.from_arrays({"time (s)": [0.0, 0.1, 0.2], "velocity (mm/s)": [1.0, 2.0, 1.5]})
-    >>> measured["velocity"], measured.units["velocity"]
-    (array([1000., 2000., 1500.]), 'um/s')
+    >>> measured["velocity"]
+    <velocity (um/s), 3 rows of float64: 1000 2000 1500>
     """
-
-    name: str
-    place: str
-    step: float
-    columns: Mapping[str, Doubles] = field(repr=False)
-    units: Mapping[str, str] = field(repr=False)
-    notes: tuple[str, ...] = ()
 
     def __init__(
         self,
@@ -91,7 +83,9 @@ class Trace(Table):
                 _refuse("of an array, whose place is time", place=place, time=time, column=column)
                 columns, first, rate, unit = _of_array(source, name, rate, unit), "1", None, None
             found = measured(source_of(columns, name), keywords.asked(place=first, rate=rate, **part), every=True)
-        _fill(self, *_traced(found, name, unit))
+        name, columns, self.step, self.notes = _traced(found, name, unit)
+        super().__init__(name, columns)
+        self.place = self.names[0]
 
     @classmethod
     def from_array(cls, values: ArrayLike, *, rate: Any = None, unit: str | None = None, name: str = "trace") -> Self:
@@ -118,38 +112,27 @@ class Trace(Table):
         """
         return cls(columns, place=place, name=name)
 
-    @classmethod
-    def _made(cls, *given: Any) -> Self:
-        return _fill(object.__new__(cls), *given)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return self._made, (self.name, self.place, self.step, dict(self.columns), dict(self.units), self.notes)
+    @property
+    def columns(self) -> dict[str, Doubles]:
+        """The columns as plain arrays."""
+        return {name: column.values for name, column in self.items()}
 
     @overload
-    def __getitem__(self, name: str) -> Doubles: ...
+    def __getitem__(self, name: str) -> Column: ...
     @overload
     def __getitem__(self, name: slice) -> Self: ...
-    def __getitem__(self, name: str | slice) -> "Doubles | Self":
+    def __getitem__(self, name: str | slice) -> "Column | Self":
         """Return a column by its name, or the rows of a slice as a trace; raises KeyError with the names there are."""
-        if isinstance(name, slice):
-            if (name.step or 1) < 0:
-                raise Refused(f"{self.name}: a slice with a step of {name.step}: {self.place} grows from row to row")
-            if len(range(len(self))[name]) < 2:
-                raise Refused(f"{self.name}: a trace needs two rows or more")
-            rows = {each: values[name] for each, values in self.columns.items()}
-            return self._made(self.name, self.place, self.step * (name.step or 1), rows, self.units, self.notes)
-        if name not in self.columns:
-            raise KeyError(f"{self.name} has no column {name!r}; it has {', '.join(self.columns)}")
-        return self.columns[name]
-
-    def _ipython_key_completions_(self) -> list[str]:
-        return list(self.columns)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.columns)
-
-    def __len__(self) -> int:
-        return int(self.columns[self.place].size)
+        if not isinstance(name, slice):
+            return super().__getitem__(name)
+        if (name.step or 1) < 0:
+            raise Refused(f"{self.name}: a slice with a step of {name.step}: {self.place} grows from row to row")
+        if len(range(len(self))[name]) < 2:
+            raise Refused(f"{self.name}: a trace needs two rows or more")
+        part = copy(self)
+        super(Trace, part).__init__(self.name, {each: rows[name] for each, rows in self.items()})
+        part.step = self.step * (name.step or 1)
+        return part
 
     def psd(self, name: str | None = None, *, segment: Any = None) -> PowerSpectrum:
         """Return Welch's estimate of the spectrum of a column; see PowerSpectrum.
@@ -162,11 +145,11 @@ class Trace(Table):
         return power_spectrum(
             chosen,
             self.units[chosen],
-            [self.columns[chosen]],
+            [self[chosen].values],
             rows=len(self),
             step=self.step,
             place_units=self.units[self.place],
-            segment=self._length("segment", segment),
+            segment=self._along("segment", segment),
         )
 
     def acf(self, name: str | None = None, *, longest: Any = None) -> Autocovariance:
@@ -176,20 +159,20 @@ class Trace(Table):
         one without a unit.
         """
         chosen, units = self._column(name), self.units[self.place]
-        lag = self._length("longest", longest)
+        lag = self._along("longest", longest)
         reach = max(1, len(self) // 10) if lag is None else round(lag / self.step)
         if not 0 < reach < len(self):
             most = (len(self) - 1) * self.step
             raise Refused(
                 f"{self.name}: longest=: {keywords.shown(longest)}: the record has lags up to {most:.6g} {units}"
             )
-        return Autocovariance(
-            name=chosen,
-            lag=self.step * np.arange(reach + 1, dtype=np.float64),
-            lag_units=units,
-            covariance=autocovariance(self.columns[chosen], reach),
-            units=f"({self.units[chosen]})^2",
+        covariance = autocovariance(self[chosen].values, reach)
+        columns = (
+            with_units(self.step * np.arange(reach + 1), "lag", units),
+            with_units(covariance, "covariance", f"({self.units[chosen]})^2"),
+            with_units(covariance / covariance[0], "correlation", "1"),
         )
+        return Autocovariance(chosen, {each.name: each for each in columns})
 
     def histogram(self, name: str | None = None, *, bins: ArrayLike | int = BINS) -> Histogram:
         """Return the density of a column over bins: their number or their edges, in the unit of the column.
@@ -197,7 +180,7 @@ class Trace(Table):
         Its ``standard_error`` knows that neighbouring rows are not independent; it is inf for a record too short to
         tell. Raises ValueError for edges that do not rise.
         """
-        values = self.columns[self._column(name)]
+        values = self[self._column(name)].values
         try:
             return histogram(values, self.step, bins)
         except RecordTooShort as short:
@@ -205,15 +188,7 @@ class Trace(Table):
                 return short.estimate
             raise
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns, first the place."""
-        return (self.place, *(name for name in self.columns if name != self.place))
-
-    def _described(self, name: str) -> Column:
-        return with_units(self[name], name, self.units[name])
-
-    def _length(self, keyword: str, value: Any) -> float | None:
+    def _along(self, keyword: str, value: Any) -> float | None:
         """Return a length along the place; a number if the place has no known unit."""
         kind = next((each for each in KINDS if each.unit == self.units[self.place]), None)
         if kind is not None:
@@ -223,7 +198,7 @@ class Trace(Table):
         return None if value is None else float(value)
 
     def _column(self, name: str | None) -> str:
-        others = [each for each in self.columns if each != self.place]
+        others = [each for each in self if each != self.place]
         if name is None and len(others) == 1:
             return others[0]
         if name in others and name is not None:
@@ -236,13 +211,6 @@ class Trace(Table):
         return "\n  ".join([heading, *self.notes])
 
 
-def _fill(trace: Any, *given: Any) -> Any:
-    """Give values to all fields of a trace, in their order."""
-    for each, value in zip(fields(Trace), given, strict=True):
-        object.__setattr__(trace, each.name, MappingProxyType(value) if isinstance(value, dict) else value)
-    return trace
-
-
 def _of_array(values: Any, name: str, rate: Any, unit: Any) -> dict[str, Any]:
     """Return an array and its times as columns by headers; raises Refused without a rate or a unit."""
     often = keywords.quantity("rate", rate, FREQUENCY)
@@ -252,35 +220,33 @@ def _of_array(values: Any, name: str, rate: Any, unit: Any) -> dict[str, Any]:
     return {"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}
 
 
-def _traced(found: Source, name: str, unit: Any) -> tuple[Any, ...]:
-    """Return the fields of a trace in working units; units of further columns that are unknown stay, and are noted."""
-    columns: dict[str, Doubles] = {}
-    units: dict[str, str] = {}
+def _traced(found: Source, name: str, unit: Any) -> tuple[str, dict[str, Column], float, tuple[str, ...]]:
+    """Return name, columns in working units, step and notes; further units that are unknown stay, and are noted."""
+    columns: dict[str, Column] = {}
     notes, alone = list(found.notes), len(found.used) == 1
     if unit is not None and not alone:
         raise Refused(f"unit=: {keywords.shown(unit)}: of which column? column= names it")
     if unit is not None:
         keywords.check_own_unit(found, unit)
+    if found.placed is None:
+        step = found.step * np.arange(found.values.size, dtype=np.float64)
+        columns[found.along] = with_units(step, found.along, "s" if found.along == "time" else "um")
     for number in found.used if found.placed is None else (found.placed, *found.used):
         head, values = found.heads[number], found.arrays[number]
         if head.name in columns:
-            raise Refused(f"{found.where}: two columns are named {head.name}; column= takes one by its number")
+            own = f"the column {head.name} has no unit of its own; column= leaves it out"
+            several = f"two columns are named {head.name}; column= takes one by its number"
+            raise Refused(f"{found.where}: {own if found.placed is None and head.name == found.along else several}")
         if unit is not None and number != found.placed:
-            units[head.name], factor = _given_units(unit)
+            units, factor = _given_units(unit)
         else:
-            what, own = f"{found.where}: {head.written}", alone or number == found.placed
-            units[head.name], factor = _in_working_units(head.unit, what, notes, own=own)
-        columns[head.name] = values if factor == 1.0 else factor * values
+            what, is_own = f"{found.where}: {head.written}", alone or number == found.placed
+            units, factor = _in_working_units(head.unit, what, notes, own=is_own)
+        columns[head.name] = with_units(values if factor == 1.0 else factor * values, head.name, units)
     if alone and found.of_file:
         notes += digits(found.values, found.head.unit)
         notes += [f"{found.head.name}: {said}" for said in (clipped(found.values, found.place),) if said]
-    place = found.along if found.placed is None else found.heads[found.placed].name
-    if found.placed is None:
-        if place in columns:
-            raise Refused(f"{found.where}: the column {place} has no unit of its own; column= leaves it out")
-        columns = {place: found.step * np.arange(found.values.size, dtype=np.float64), **columns}
-        units[place] = "s" if place == "time" else "um"
-    return name, place, found.step, columns, units, tuple(notes)
+    return name, columns, found.step, tuple(notes)
 
 
 def _refuse(source: str, **keys: Any) -> None:
