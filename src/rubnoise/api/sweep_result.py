@@ -1,6 +1,5 @@
 """An opened folder of a sweep: its points, runs and figures as columns, and as a labelled array of xarray."""
 
-import json
 import os
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -21,8 +20,9 @@ from rubnoise.figure_names import FAILED, STATES
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import file_of, name_in, scenario_in
-from rubnoise.runs.index import ABOUT, keys_in, scenario_at
+from rubnoise.runs.index import ABOUT
 from rubnoise.storage.index import Filled, Index, read_index
+from rubnoise.storage.reader import refusing
 from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import KINDS, RATIO
@@ -90,23 +90,22 @@ class SweepResult:
     @property
     def grid(self) -> tuple[str, ...]:
         """The swept keys whose values are combined with all values of the others."""
-        return tuple(json.loads(self._index.texts["grid"]))
+        return self._index.swept("grid")
 
     @property
     def side_by_side(self) -> tuple[str, ...]:
         """The swept keys whose values go side by side."""
-        return tuple(json.loads(self._index.texts["side_by_side"]))
+        return self._index.swept("side_by_side")
 
     @property
     def keys(self) -> tuple[str, ...]:
         """All swept keys."""
-        return keys_in(self._index)
+        return self._index.keys
 
     @cached_property
     def values(self) -> tuple[dict[str, Any], ...]:
         """The swept values of every point, by key, as written in the file."""
-        found = [json.loads(text) for text in self.points["values"][:]]
-        return tuple({key: values[key] for key in self.keys} for values in found)
+        return tuple({key: values[key] for key in self.keys} for values in self._index.values)
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -190,7 +189,8 @@ class SweepResult:
 
     def scenario(self, point: int) -> "Scenario":
         """Return the scenario of a point by its number, with a seed of the first point; raises RunFileRefused."""
-        return scenario_at(self._index, point, self.path / INDEX)
+        with refusing(self.path / INDEX):
+            return self._index.scenario(point)
 
     @property
     def summaries(self) -> tuple[str, ...]:

@@ -16,7 +16,6 @@ from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import Figures, file_of
 from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import keys_of
-from rubnoise.scenario.reading import stored
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep import Point, Sweep
 from rubnoise.scenario.sweep_keys import Keep
@@ -169,7 +168,7 @@ def known_runs(root: Path, sweep: Sweep) -> tuple[dict[str, Figures], dict[str, 
 
 def figures_in(index: Index, keep: Keep) -> Iterator[tuple[str, Figures]]:
     """Yield the names of runs that an index calls done, with their figures, and curves of runs that keep no more."""
-    names = [name for name in index.runs if name not in {*ABOUT, *keys_in(index)}]
+    names = [name for name in index.runs if name not in {*ABOUT, *index.keys}]
     figures = np.array([index.runs[name].values for name in names]).T.tolist()
     columns = [index.runs[name].values.tolist() for name in ("run_id", "point", "replicate", "file", "state")]
     for row, (run_id, point, replicate, file, state) in enumerate(zip(*columns, strict=True)):
@@ -178,17 +177,3 @@ def figures_in(index: Index, keep: Keep) -> Iterator[tuple[str, Figures]]:
             of_point = {name: values[point] for name, values in index.summaries.items() if name not in CURVES}
             arrays = of_run if replicate else of_run | of_point
             yield run_id, dict(zip(names, figures[row], strict=True)) | arrays
-
-
-def keys_in(index: Index) -> tuple[str, ...]:
-    """Return the swept keys: those of the grid, then those side by side."""
-    return tuple(key for name in ("grid", "side_by_side") for key in json.loads(index.texts[name]))
-
-
-def scenario_at(index: Index, point: int, path: Path) -> Scenario:
-    """Return the scenario of a point by its number, with a seed of the first point; raises RunFileRefused."""
-    resolved = json.loads(index.texts["scenario_resolved"])
-    for key, value in json.loads(index.points["values"].values[point]).items():
-        section, name = key.split(".")
-        resolved.setdefault(section, {})[name] = value
-    return stored(resolved, f"{path}: the scenario of point {point}")

@@ -18,13 +18,13 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.figure_names import DONE
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, scenario_in, summarised
-from rubnoise.runs.index import figures_in, scenario_at
+from rubnoise.runs.index import figures_in
 from rubnoise.runs.verification import LONGEST, Check, Verification, verification, verify
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.sweep import name_of
 from rubnoise.storage.index import read_index
 from rubnoise.storage.output import PART
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.reader import open_run, refusing
 
 
 @dataclass(slots=True, kw_only=True)
@@ -136,9 +136,8 @@ def _index_check(root: Path, results: _Results, omitted: list[Row]) -> Check:
     names, points, seeds, states = (index.runs[name].values.tolist() for name in ("run_id", "point", "seed", "state"))
     if any(state != DONE and name in results.figures for name, state in zip(names, states, strict=True)):
         omitted.append(left_out("index", "it is older than some runs; the same sweep renews it"))
-    scenarios = [
-        scenario_at(index, point, root / INDEX).resolved() for point in range(len(index.points["values"].values))
-    ]
+    with refusing(root / INDEX):
+        scenarios = [index.scenario(point).resolved() for point in range(len(index.values))]
     for name, point, seed in zip(names, points, seeds, strict=True):
         place = f"{INDEX} /runs/point and /runs/seed of {name}: run"
         notes.say(place, found=name_of(scenarios[point], seed), expected=name)

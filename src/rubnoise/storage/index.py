@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import h5py
 import numpy as np
@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.regular_file import open_stream
+from rubnoise.scenario import Scenario
+from rubnoise.scenario.reading import stored
 from rubnoise.storage.format import LIBRARY_VERSIONS, put_attribute, text_bytes
 from rubnoise.storage.objects import naming_damage, own_dataset, read_attribute, sound_group
 from rubnoise.storage.reader import SIGNATURE, refusing
@@ -59,6 +61,28 @@ class Index:
     points: Mapping[str, Filled]
     runs: Mapping[str, Filled]
     summaries: Mapping[str, NDArray[Any]]
+
+    def swept(self, how: Literal["grid", "side_by_side"]) -> tuple[str, ...]:
+        """Return the swept keys of a grid, or those whose values go side by side."""
+        return tuple(json.loads(self.texts[how]))
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All swept keys: those of the grid, then those side by side."""
+        return (*self.swept("grid"), *self.swept("side_by_side"))
+
+    @property
+    def values(self) -> list[dict[str, Any]]:
+        """The swept values of every point, by key, as written in the file, and sizes of a file that was swept."""
+        return [json.loads(text) for text in self.points["values"].values.tolist()]
+
+    def scenario(self, point: int) -> Scenario:
+        """Return the scenario of a point by its number, with a seed of the first point; raises RunFileRefused."""
+        resolved = json.loads(self.texts["scenario_resolved"])
+        for key, value in self.values[point].items():
+            section, name = key.split(".")
+            resolved.setdefault(section, {})[name] = value
+        return stored(resolved, f"the scenario of point {point}")
 
 
 def index_bytes(index: Index) -> bytes:
