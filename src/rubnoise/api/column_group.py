@@ -48,7 +48,7 @@ class Columns(dict[str, Column]):
     def __init__(self, about: schema.Group, columns: Mapping[str, schema.Dataset], rows: int, read: Read) -> None:
         """Take descriptions of the columns of a group, the number of their rows, and what reads some of them."""
         self.name, self.long_name = about.name, about.long_name
-        self._about, self._called = about, f"/{about.name}"
+        self._about, self._called = about, f"/{about.name}" if about.long_name else about.name
         self._columns = dict(columns)
         self._length, self._read = rows, read
 
@@ -162,7 +162,7 @@ class Columns(dict[str, Column]):
     @property
     def _heading(self) -> str:
         """The first line of the table as it is shown."""
-        return f"{self._called}: {self.long_name}, {len(self):,} rows"
+        return f"{self._called}: {f'{self.long_name}, ' if self.long_name else ''}{len(self):,} rows"
 
     def _rows(self) -> list[tuple[str, str, str]]:
         """Return name and unit of each column, and its meaning, or its range if that is not known."""
@@ -228,7 +228,6 @@ class Table(Columns):
         arrays = {each: column.values for each, column in columns.items()}
         group = schema.Group(name=name, long_name="", columns=(), plotted="")
         super().__init__(group, about, len(next(iter(arrays.values()))), partial(kept_rows, arrays))
-        self._called = name
 
 
 def _unread(kind: type[Columns], state: dict[str, Any]) -> Columns:
