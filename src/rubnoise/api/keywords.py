@@ -9,23 +9,10 @@ from difflib import get_close_matches
 from numbers import Integral
 from typing import Any, Final
 
+from rubnoise import units
 from rubnoise.errors import Refused
 from rubnoise.storage.measured import Asked, Source
 from rubnoise.unit_spelling import spelled
-from rubnoise.units import (
-    AREA,
-    FORCE,
-    FREQUENCY,
-    LENGTH,
-    TIME,
-    Kind,
-    Quantity,
-    QuantityError,
-    is_of_pint,
-    quantity_of,
-    unit_name,
-    unit_or_one,
-)
 
 SMALLEST: Final = 1e-12
 LARGEST: Final = 1e12
@@ -43,19 +30,19 @@ _UNIT_FORMS: Final = 'unit="mN", unit="0.5 mN" where a value of 1 is 0.5 mN, uni
 
 def shown(value: Any) -> str:
     """Return a value for a message: as it was written, and cut short."""
-    plain = isinstance(value, str | Quantity | int | float) or hasattr(value, "dimensionality")
+    plain = isinstance(value, str | units.Quantity | int | float) or hasattr(value, "dimensionality")
     text = str(value) if plain else repr(value)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
-def quantity(keyword: str, value: Any, kind: Kind) -> float | None:
+def quantity(keyword: str, value: Any, kind: units.Kind) -> float | None:
     """Return a positive quantity in working units, None if none is given; raises Refused for anything else."""
     if value is None:
         return None
     form = f'right form: {keyword}="{kind.example}"'
     try:
-        number = float(quantity_of(value, kind))
-    except QuantityError as problem:
+        number = float(units.quantity_of(value, kind))
+    except units.QuantityError as problem:
         hint = "" if problem.hint.startswith("right form") else f"; {problem.hint}" if problem.hint else ""
         raise Refused(f"{keyword}=: {shown(value)}: {problem}{hint}; {form}") from problem
     if not number > 0.0:
@@ -69,7 +56,7 @@ def frequencies(keyword: str, values: Any) -> list[float]:
     """Return frequencies in Hz from one value, from several separated by commas, or from a sequence."""
     parts = values if isinstance(values, list | tuple) else (values,)
     texts = [each for part in parts for each in (part.split(",") if isinstance(part, str) else (part,))]
-    return [number for each in texts if (number := quantity(keyword, each, FREQUENCY)) is not None]
+    return [number for each in texts if (number := quantity(keyword, each, units.FREQUENCY)) is not None]
 
 
 def choice(keyword: str, value: Any, known: Sequence[Any]) -> Any:
@@ -96,26 +83,26 @@ def asked(*, rate: Any = None, from_: Any = None, to: Any = None, **columns: Any
         key: value if value is None or isinstance(value, str) else str(count(key, value, MOST_COLUMNS))
         for key, value in columns.items()
     }
-    often, ends = quantity("rate", rate, FREQUENCY), (_end("from_", from_), _end("to", to))
+    often, ends = quantity("rate", rate, units.FREQUENCY), (_end("from_", from_), _end("to", to))
     return Asked(**named, rate=often, begin=ends[0], end=ends[1])
 
 
-def _end(keyword: str, value: Any) -> int | Quantity | None:
+def _end(keyword: str, value: Any) -> int | units.Quantity | None:
     """Return the number of a sample, from 1 on, or a time or distance from the first one."""
     if value is None or (isinstance(value, Integral) and not isinstance(value, bool)):
         return None if value is None else int(value)
     if isinstance(value, str) and re.fullmatch("[0-9]{1,15}", value.strip()):
         return int(value)
     try:
-        return quantity_of(value, TIME, LENGTH)
-    except QuantityError as problem:
-        form = f'right form: {keyword}="7201" for a sample, {keyword}="{TIME.example}"'
+        return units.quantity_of(value, units.TIME, units.LENGTH)
+    except units.QuantityError as problem:
+        form = f'right form: {keyword}="7201" for a sample, {keyword}="{units.TIME.example}"'
         raise Refused(f"{keyword}=: {shown(value)}: {problem}; {form}") from problem
 
 
 def unit_text(unit: Any) -> Any:
     """Return a quantity or a unit of pint as a text, anything else as it is."""
-    return f"{unit.magnitude} {unit_name(unit.units)}" if is_of_pint(unit) else unit_name(unit)
+    return f"{unit.magnitude} {units.unit_name(unit.units)}" if units.is_of_pint(unit) else units.unit_name(unit)
 
 
 def scale_of(unit: Any, what: str) -> tuple[float | None, bool, float]:
@@ -130,10 +117,10 @@ def scale_of(unit: Any, what: str) -> tuple[float | None, bool, float]:
         number, name = number or "1", spelled(name)
     volts = _VOLTS.fullmatch(name)
     try:
-        factor = quantity_of(
-            f"{number} N" if volts else f"{number} {name}" if isinstance(text, str) else text, FORCE, AREA
+        factor = units.quantity_of(
+            f"{number} N" if volts else f"{number} {name}" if isinstance(text, str) else text, units.FORCE, units.AREA
         )
-    except QuantityError as problem:
+    except units.QuantityError as problem:
         hint = f"; {problem.hint}" if problem.hint and not problem.hint.startswith("right form") else ""
         weighed = _WEIGHED.get(name, "")
         hint += f'; what weighs 1 {name} pulls with {weighed}: unit="{weighed}"' if weighed else ""
@@ -143,14 +130,14 @@ def scale_of(unit: Any, what: str) -> tuple[float | None, bool, float]:
             f"{what}: {shown(unit)} is not between {SMALLEST:g} and {LARGEST:g} uN; right form: {_UNIT_FORMS}"
         )
     sign = -1.0 if factor < 0.0 else 1.0
-    return (None, False, sign) if volts else (abs(float(factor)), factor.kind is AREA, sign)
+    return (None, False, sign) if volts else (abs(float(factor)), factor.kind is units.AREA, sign)
 
 
 def check_own_unit(found: Source, unit: Any) -> None:
     """Raise Refused for a unit beside values from Python that have another one; that of a file is replaced."""
     own = "" if found.of_file else found.head.unit
     what = ": ".join(each for each in (found.where, found.head.name) if each)
-    if any(unit_or_one(own).dimension) and scale_of(own, f"{what}: unit") != scale_of(unit, "unit="):
+    if any(units.unit_or_one(own).dimension) and scale_of(own, f"{what}: unit") != scale_of(unit, "unit="):
         raise Refused(f"unit=: {shown(unit)}: {what} is in {own} by its own words; leave unit= out")
 
 

@@ -21,33 +21,9 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import column_chunks
 from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
+from rubnoise.storage import objects, schema
 from rubnoise.storage.inventory import Inventory, inventory_of
 from rubnoise.storage.layout import Name, stored_groups
-from rubnoise.storage.objects import (
-    MOST_ATTRIBUTES,
-    REMEDY,
-    ColumnPlace,
-    linked,
-    naming_damage,
-    opened_by_hdf5,
-    read_attribute,
-    read_attributes,
-    rows_of_chunks,
-    sound_dataset,
-    sound_group,
-)
-from rubnoise.storage.schema import (
-    FORMAT,
-    FORMAT_VERSION,
-    HASH,
-    INDEX_FORMAT,
-    INTERVENTION,
-    PROVENANCE,
-    ROOT,
-    TELLTALES,
-    Feature,
-    Scalar,
-)
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
@@ -87,16 +63,16 @@ class RunFile:
         self.provenance = read_provenance(file)
         if not self.provenance["finished"]:
             raise RunFileRefused("is a part of a run that did not end; the same command makes the run again")
-        self.attributes, self.summary = read_attributes(file, ROOT), read_summary(file)
+        self.attributes, self.summary = objects.read_attributes(file, schema.ROOT), read_summary(file)
         self.seal = _hash_in(file["provenance"])
         self.features = _features(file)
-        self._columns: dict[str, dict[str, ColumnPlace]] = {}
+        self._columns: dict[str, dict[str, objects.ColumnPlace]] = {}
         self._digests: dict[Name, str] = {}
         size = os.fstat(descriptor).st_size
         for group in stored_groups(self.features):
-            owner, self._columns[group.name] = sound_group(file, group.name), {}
+            owner, self._columns[group.name] = objects.sound_group(file, group.name), {}
             for column in group.columns:
-                dataset, self._columns[group.name][column.name] = sound_dataset(owner, column, size)
+                dataset, self._columns[group.name][column.name] = objects.sound_dataset(owner, column, size)
                 self._digests[group.name, column.name] = _hash_in(dataset)
                 if self._columns[group.name][column.name].rows != self.rows(group.name):
                     raise RunFileRefused(f"/{group.name}/{column.name} has another number of rows than its group")
@@ -144,10 +120,10 @@ class RunFile:
         with self._reading():
             if place.offset or not place.rows:
                 return self._stored_rows(place, first, max(first, last))
-            with naming_damage():  # HDF5 finds the chunks of a compressed column
-                return rows_of_chunks(self._file[group][name], first, max(first, last))
+            with objects.naming_damage():  # HDF5 finds the chunks of a compressed column
+                return objects.rows_of_chunks(self._file[group][name], first, max(first, last))
 
-    def _stored_rows(self, place: ColumnPlace, first: int, last: int) -> NDArray[Any]:
+    def _stored_rows(self, place: objects.ColumnPlace, first: int, last: int) -> NDArray[Any]:
         """Return rows that lie in one piece; raises RunFileRefused if the file does not have them any more."""
         dtype = np.dtype(place.dtype)
         start, size = place.offset + first * dtype.itemsize, (last - first) * dtype.itemsize
@@ -159,7 +135,7 @@ class RunFile:
             values: NDArray[Any] = np.empty(last - first, dtype)
             if read_into(self.descriptor, values.view(np.uint8).data, start) == size:
                 return values
-        raise RunFileRefused(f"cut short; {REMEDY}")
+        raise RunFileRefused(f"cut short; {objects.REMEDY}")
 
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that cannot be read or differ from their stored hash; reads the whole file."""
@@ -167,7 +143,7 @@ class RunFile:
 
     def inventory(self) -> Inventory:
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
-        with self._reading(), naming_damage():
+        with self._reading(), objects.naming_damage():
             return inventory_of(self._file)
 
     def _is_intact(self, name: Name) -> bool:
@@ -199,8 +175,8 @@ def open_run(path: str | os.PathLike[str]) -> RunFile:
         try:
             _check_signature(descriptor, path)
             _share(descriptor)
-            with naming_damage():
-                file = opened_by_hdf5(path, descriptor)
+            with objects.naming_damage():
+                file = objects.opened_by_hdf5(path, descriptor)
                 try:
                     return RunFile(path, descriptor, file)
                 except BaseException:
@@ -241,7 +217,7 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     if found == SIGNATURE:
         return
     if os.fstat(descriptor).st_size == 0:
-        raise RunFileRefused(f"is empty; {REMEDY}")
+        raise RunFileRefused(f"is empty; {objects.REMEDY}")
     if os.fspath(path).endswith(".toml"):
         raise RunFileRefused(
             f"is a scenario, not a result; `rubnoise check {path}` says what follows from it, `rubnoise run` runs it"
@@ -260,29 +236,30 @@ def _share(descriptor: int) -> None:
 
 
 def _check_version(file: h5py.File) -> None:
-    found = read_attribute(file, "format") if "format" in file.attrs else None
-    if found == INDEX_FORMAT:
+    found = objects.read_attribute(file, "format") if "format" in file.attrs else None
+    if found == schema.INDEX_FORMAT:
         raise RunFileRefused("is the index of a sweep, not the result of a run")
-    if found != FORMAT:
+    if found != schema.FORMAT:
         raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
-    version = read_attribute(file, "format_version", int)
-    if version > FORMAT_VERSION:
-        source = read_attribute(file, "source", str)
+    version = objects.read_attribute(file, "format_version", int)
+    if version > schema.FORMAT_VERSION:
+        source = objects.read_attribute(file, "source", str)
         raise TooNew(
-            f"has format version {version}, written by {source}; this one reads versions up to {FORMAT_VERSION}."
+            f"has format version {version}, written by {source}; this one reads versions up to {schema.FORMAT_VERSION}."
             f" {source} or later is needed"
         )
-    if version < FORMAT_VERSION:
+    if version < schema.FORMAT_VERSION:
         raise RunFileRefused(
-            f"has format version {version}, and this rubnoise reads version {FORMAT_VERSION}: run its scenario again"
+            f"has format version {version}, and this rubnoise reads version {schema.FORMAT_VERSION}: run its scenario"
+            " again"
         )
 
 
-def _features(file: h5py.File) -> frozenset[Feature]:
+def _features(file: h5py.File) -> frozenset[schema.Feature]:
     """Return the features of the run, found by the objects that exist only with them."""
-    sound_group(file, "junctions")
-    there = frozenset(feature for feature, place in TELLTALES.items() if linked(file, place))
-    needed: list[tuple[Feature, str]] = [("speed", "birth_time")]
+    objects.sound_group(file, "junctions")
+    there = frozenset(feature for feature, place in schema.TELLTALES.items() if objects.linked(file, place))
+    needed: list[tuple[schema.Feature, str]] = [("speed", "birth_time")]
     needed += [] if "base" in there else [("strength", "shear_strength")]
     for feature, column in needed:
         if "slider" in there and feature not in there:
@@ -291,26 +268,26 @@ def _features(file: h5py.File) -> frozenset[Feature]:
         raise RunFileRefused("has /balance without /slider")
     if "free" in there and not {"load", "speed"} <= there:
         raise RunFileRefused("has summits that are touched without /load and times")
-    if linked(file, "landmarks") and there.isdisjoint(("two-way", "free")):
+    if objects.linked(file, "landmarks") and there.isdisjoint(("two-way", "free")):
         raise RunFileRefused("has /landmarks without /balance")
     return there
 
 
-def read_summary(file: h5py.File) -> dict[str, Scalar]:
+def read_summary(file: h5py.File) -> dict[str, schema.Scalar]:
     """Return the figures of /summary by name; raises RunFileRefused if one is not a plain value."""
-    group = sound_group(file, "summary")
-    if (count := h5py.h5a.get_num_attrs(group.id)) > MOST_ATTRIBUTES:
+    group = objects.sound_group(file, "summary")
+    if (count := h5py.h5a.get_num_attrs(group.id)) > objects.MOST_ATTRIBUTES:
         raise RunFileRefused(f"/summary has {count} attributes")
-    return {name: read_attribute(group, name) for name in group.attrs if name != "NX_class"}
+    return {name: objects.read_attribute(group, name) for name in group.attrs if name != "NX_class"}
 
 
-def read_provenance(file: h5py.File) -> dict[str, Scalar]:
+def read_provenance(file: h5py.File) -> dict[str, schema.Scalar]:
     """Return the attributes of /provenance by name; raises RunFileRefused if one is missing or not as it should be."""
-    group = sound_group(file, "provenance")
-    more = {INTERVENTION: str} if INTERVENTION in group.attrs else {}
-    return read_attributes(group, {**PROVENANCE, **more})
+    group = objects.sound_group(file, "provenance")
+    more = {schema.INTERVENTION: str} if schema.INTERVENTION in group.attrs else {}
+    return objects.read_attributes(group, {**schema.PROVENANCE, **more})
 
 
 def _hash_in(owner: h5py.HLObject) -> str:
     """Return a stored hash, which is part of no other attributes; empty if there is none."""
-    return str(read_attribute(owner, HASH, str)) if HASH in owner.attrs else ""
+    return str(objects.read_attribute(owner, schema.HASH, str)) if schema.HASH in owner.attrs else ""
