@@ -13,7 +13,7 @@ import pytest
 import rubnoise
 from rubnoise.figures import style
 from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style, new_figure
-from rubnoise.figures.theory import theory_picture
+from rubnoise.figures.theory import theory_figure
 from rubnoise.model import Model
 
 # Files of figures: what they are, and that they say nothing about when and by what they were made.
@@ -74,7 +74,7 @@ def _model(values: dict[str, Any]) -> Model:
 @pytest.mark.slow
 @pytest.mark.parametrize("values", EVERY.values(), ids=EVERY)
 def test_every_contact_has_a_picture_with_nothing_cut_off(values: dict[str, Any]) -> None:
-    png = theory_picture(_model(values), "a contact", "png")
+    png = style.drawn(theory_figure, _model(values), "a contact")
     pixels = np.asarray(matplotlib.image.imread(BytesIO(png)))[:, :, :3]
     border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
     assert np.all(border == 1.0)

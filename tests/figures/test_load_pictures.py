@@ -10,7 +10,7 @@ import pytest
 import rubnoise
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.errors import Refused
-from rubnoise.figures.catalogue import PICTURES, drawing, picture
+from rubnoise.figures.catalogue import PICTURES, drawing
 from rubnoise.figures.stretch import Stretch
 from rubnoise.record.rows import ContactKind
 from rubnoise.storage.reader import open_run
@@ -50,7 +50,7 @@ def test_free_motion_is_drawn_without_a_theory_that_it_does_not_have(bouncing: S
 @pytest.mark.parametrize("name", sorted(NO_AREA))
 def test_what_needs_the_area_of_a_touch_is_refused_in_words(bouncing: Stretch, name: Any) -> None:
     with pytest.raises(Refused, match="rows of free motion are touches, whose areas follow the separation"):
-        picture(name, bouncing, "png")
+        drawing(name, bouncing)
 
 
 @pytest.mark.slow

@@ -12,7 +12,8 @@ import pytest
 import rubnoise
 from rubnoise.analysis.replicates import pooled
 from rubnoise.figures.stretch import MOST_POINTS, Stretch
-from rubnoise.figures.study import Spot, Study, StudyLine, exact_of, study_of_points, study_picture
+from rubnoise.figures.study import Spot, Study, StudyLine, draw_study, exact_of, study_of_points
+from rubnoise.figures.style import drawn
 from rubnoise.figures.tracks import Track
 from rubnoise.scenario import Scenario, build
 from rubnoise.storage.reader import RunFile, open_run
@@ -110,10 +111,10 @@ def test_the_curve_of_another_contact_is_rejected() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("runs", [1, 2])
 def test_the_same_study_is_the_same_picture(runs: int) -> None:
-    first, again = (study_picture(_study({COUNT: [10, 20, 40]}, runs=runs), "svg") for _ in range(2))
+    first, again = (drawn(draw_study, _study({COUNT: [10, 20, 40]}, runs=runs), kind="svg") for _ in range(2))
     assert first == again
     assert first.startswith(b"<?xml")
-    assert study_picture(_study({COUNT: [10, 20, 41]}, runs=runs), "svg") != first
+    assert drawn(draw_study, _study({COUNT: [10, 20, 41]}, runs=runs), kind="svg") != first
 
 
 # A stretch of a result: which rows it holds, and what is left of them where there are many.

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.landmarks import StickSlip
+from rubnoise.analysis.landmarks import Sticks
 from rubnoise.model import Slider
 from rubnoise.record.rows import LandmarkKind
 
@@ -106,16 +106,15 @@ def test_sticks_and_slips_are_those_of_the_landmarks() -> None:
     rows = _held(
         (1.0, 5.0, stick), (1.5, 5.0, slip), (1.8, 9.0, back), (2.0, 7.0, forward), (2.5, 8.0, stick), (4.0, 8.0, slip)
     )
-    found = StickSlip.of(rows, 0.0, 5.0)
-    assert found.stick_begin.tolist() == [1.0, 2.5]
-    assert found.stick_end.tolist() == [1.5, 4.0]
-    assert found.stick_times.tolist() == [0.5, 1.5]
+    found = Sticks.of(rows, 0.0, 5.0)
+    assert (found.begin.tolist(), found.end.tolist()) == ([1.0, 2.5], [1.5, 4.0])
+    assert found.times.tolist() == [0.5, 1.5]
     assert found.slip_lengths.tolist() == [4.0]  # up to where it turns; the last slip never ends
 
 
 def test_of_very_many_landmarks_the_first_are_taken() -> None:
     stick, slip, *_ = LandmarkKind
     rows = _held((1.0, 5.0, stick), (1.5, 5.0, slip), (2.5, 8.0, stick), (4.0, 8.0, slip))
-    found = StickSlip.of(rows, 0.0, 9.0, most=3)
-    assert (found.stick_begin.tolist(), found.stick_end.tolist()) == ([1.0, 2.5], [1.5, 4.0])
-    assert found.stick_times.tolist() == [0.5]
+    found = Sticks.of(rows, 0.0, 9.0, most=3)
+    assert (found.begin.tolist(), found.end.tolist()) == ([1.0, 2.5], [1.5, 4.0])
+    assert found.times.tolist() == [0.5]

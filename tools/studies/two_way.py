@@ -18,7 +18,7 @@ import numpy as np
 from parts import fill, table
 
 import rubnoise
-from rubnoise.analysis.landmarks import StickSlip
+from rubnoise.analysis.landmarks import Sticks
 from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.figures.stretch import Stretch
 from rubnoise.storage.reader import RunFile, open_run
@@ -40,7 +40,7 @@ APART: Final = 0.1
 
 def figures(one: RunFile, two: RunFile) -> str:
     """Return Figure 5 both ways: what was measured."""
-    found = StickSlip.of(two, 0.0, inf)
+    found = Sticks.of(two, 0.0, inf)
     longer = int((found.slip_lengths > Stretch.of(two).model.calibrated_diameter).sum())
     ends = (run.column("slider", "time", run.rows("slider") - 1)[0] for run in (one, two))
     rows = [

@@ -9,19 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.findings import (
-    FEWEST,
-    LARGEST_SKEWNESS,
-    figure,
-    identity,
-    judged,
-    kolmogorov_figure,
-    normal_deviate,
-    poisson_figure,
-    sample_distance,
-    tail_of_squares,
-    too_short,
-)
+from rubnoise.analysis import findings
 from rubnoise.analysis.measured import STRETCHES, MeasuredRun
 from rubnoise.analysis.records import longer
 from rubnoise.answer import Row, left_out
@@ -52,17 +40,17 @@ def births(seen: MeasuredRun) -> Iterator[Row]:
         yield from _regular(seen)
         return
     if isinstance(model.births, PoissonBirths):
-        yield poisson_figure("birth_count", found.count, expected)
+        yield findings.poisson_figure("birth_count", found.count, expected)
         yield _gap_variation(seen)
     else:
         yield from _windows(seen)
-    if found.count < FEWEST:
-        yield too_short("births", FEWEST * model.mean_birth_spacing)
+    if found.count < findings.FEWEST:
+        yield findings.too_short("births", findings.FEWEST * model.mean_birth_spacing)
         return
-    if isinstance(model.births, PoissonBirths | GammaBirths) and found.gaps.count >= FEWEST:
-        yield kolmogorov_figure("birth_gap_kolmogorov", found.gaps.distance(), found.gaps.count)
+    if isinstance(model.births, PoissonBirths | GammaBirths) and found.gaps.count >= findings.FEWEST:
+        yield findings.kolmogorov_figure("birth_gap_kolmogorov", found.gaps.distance(), found.gaps.count)
     if isinstance(model.births, PoissonBirths):
-        yield kolmogorov_figure("birth_place_kolmogorov", found.places.distance(), found.count)
+        yield findings.kolmogorov_figure("birth_place_kolmogorov", found.places.distance(), found.count)
 
 
 def _gap_variation(seen: MeasuredRun) -> Row:
@@ -75,10 +63,10 @@ def _gap_variation(seen: MeasuredRun) -> Row:
     model, found, n = seen.model, seen.births, seen.births.count
     name = "birth_gap_variation"
     if n < FEWEST_GAPS:
-        return too_short(name, (FEWEST_GAPS + 1) * model.mean_birth_spacing)
+        return findings.too_short(name, (FEWEST_GAPS + 1) * model.mean_birth_spacing)
     value = (n + 1) * (found.squares + (model.distance - found.last) ** 2) / model.distance**2 - 1.0
     error = 2.0 * (n + 1) / (n + 2) * (n / ((n + 3) * (n + 4))) ** 0.5
-    return judged(name, value, (n + 1) * 2.0 / (n + 2) - 1.0, error, length=model.distance, skewness=5.0)
+    return findings.judged(name, value, (n + 1) * 2.0 / (n + 2) - 1.0, error, length=model.distance, skewness=5.0)
 
 
 def _regular(seen: MeasuredRun) -> Iterator[Row]:
@@ -87,8 +75,8 @@ def _regular(seen: MeasuredRun) -> Iterator[Row]:
     away = max(found.longest - spacing, spacing - found.shortest) if found.count > 1 else 0.0
     rounding = 2.0 * ROUNDING * (model.distance + found.count * spacing)  # a place is a sum of gaps, each rounded
     missing = abs(found.count - model.distance / spacing)
-    yield identity("birth_gap", away, rounding, "um")
-    yield identity("birth_count", missing, 1.0 + rounding / spacing, "")
+    yield findings.identity("birth_gap", away, rounding, "um")
+    yield findings.identity("birth_count", missing, 1.0 + rounding / spacing, "")
 
 
 def _windows(seen: MeasuredRun) -> Iterator[Row]:
@@ -96,17 +84,17 @@ def _windows(seen: MeasuredRun) -> Iterator[Row]:
     model, found = seen.model, seen.births
     needed = max(30.0 * model.births.memory, STRETCHES * 2.0 * model.births.memory)
     if model.distance < needed:
-        yield too_short("birth_count", needed)
+        yield findings.too_short("birth_count", needed)
         return
     if model.births.dispersion > 0.0:
         # Long beside what births remember, their number varies by its dispersion; near the ends they lack neighbours.
         expected = model.birth_rate * model.distance
         error = (model.births.dispersion * expected) ** 0.5
-        yield figure("birth_count", float(found.count), expected, error)
+        yield findings.figure("birth_count", float(found.count), expected, error)
     for windows in found.windows:
         name = f"birth_count_variance_{windows.length:.3g}"
         if windows.each < STRETCHES:
-            yield too_short(name, STRETCHES * STRETCHES * windows.length)
+            yield findings.too_short(name, STRETCHES * STRETCHES * windows.length)
         else:
             yield scattered(name, windows.squares(), number_variance(model, windows.length))
 
@@ -127,8 +115,8 @@ def scattered(name: str, means: Doubles, expected: float) -> Row:
 
     error = float(means.std(ddof=1)) / sqrt(means.size)
     t = (float(means.mean()) - expected) / error if error else 0.0
-    deviate = normal_deviate(float(stdtr(means.size - 1, t)), float(stdtr(means.size - 1, -t)))
-    return figure(name, float(means.mean()), expected, error, deviate)
+    deviate = findings.normal_deviate(float(stdtr(means.size - 1, t)), float(stdtr(means.size - 1, -t)))
+    return findings.figure(name, float(means.mean()), expected, error, deviate)
 
 
 def start(seen: MeasuredRun) -> Iterator[Row]:
@@ -142,35 +130,35 @@ def start(seen: MeasuredRun) -> Iterator[Row]:
         return
     need_random_births(model, "who is alive at the start")
     ages, diameters, offsets = seen.births.start
-    yield poisson_figure("start_count", ages.size, model.mean_live_junctions)
-    if ages.size < FEWEST:
+    yield findings.poisson_figure("start_count", ages.size, model.mean_live_junctions)
+    if ages.size < findings.FEWEST:
         return  # as few as the contact has: no length would bring more
-    yield kolmogorov_figure("start_age_kolmogorov", sample_distance(ages, ages), ages.size)
+    yield findings.kolmogorov_figure("start_age_kolmogorov", findings.sample_distance(ages, ages), ages.size)
     if law[0] < law[-1] and not has_single_values(model.sizes):
         below = np.append(0.0, np.cumsum(law)) / law.sum()
-        distance = sample_distance(diameters, below[np.searchsorted(law, diameters)])
-        yield kolmogorov_figure("start_diameter_kolmogorov", distance, ages.size)
+        distance = findings.sample_distance(diameters, below[np.searchsorted(law, diameters)])
+        yield findings.kolmogorov_figure("start_diameter_kolmogorov", distance, ages.size)
     if model.pulse.offset != "none":
         aside = offsets / diameters
         below = 0.5 + (aside * half_life(np.ones(aside.size), aside) + np.arcsin(aside)) / np.pi
-        yield kolmogorov_figure("start_offset_kolmogorov", sample_distance(below, below), ages.size)
+        yield findings.kolmogorov_figure("start_offset_kolmogorov", findings.sample_distance(below, below), ages.size)
 
 
 def marks(seen: MeasuredRun) -> Iterator[Row]:
     """Yield mean, spread and law of the diameters and strengths that junctions are born with."""
     model, found = seen.model, seen.births
     if not found.count:
-        yield too_short("diameter", FEWEST * model.mean_birth_spacing)
+        yield findings.too_short("diameter", findings.FEWEST * model.mean_birth_spacing)
         return
     low, high = size_range(model.sizes)
     if low == high:
         yield _alike(seen, "diameter", model.sizes.moment(1), "um")
     else:
         yield from _drawn(seen, "diameter", model.sizes)
-        if found.count >= FEWEST and not has_single_values(model.sizes):
-            yield kolmogorov_figure("diameter_kolmogorov", found.sizes.distance(), found.count)
-    if model.pulse.offset != "none" and found.count >= FEWEST:
-        yield kolmogorov_figure("offset_kolmogorov", found.offsets.distance(), found.count)
+        if found.count >= findings.FEWEST and not has_single_values(model.sizes):
+            yield findings.kolmogorov_figure("diameter_kolmogorov", found.sizes.distance(), found.count)
+    if model.pulse.offset != "none" and found.count >= findings.FEWEST:
+        yield findings.kolmogorov_figure("offset_kolmogorov", found.offsets.distance(), found.count)
     if isinstance(model.strengths, Fixed):
         yield _alike(seen, "shear_strength", model.strengths.mean, "MPa")
     elif model.strengths is not None:
@@ -178,7 +166,7 @@ def marks(seen: MeasuredRun) -> Iterator[Row]:
 
 
 def _alike(seen: MeasuredRun, name: str, value: float, units: str) -> Row:
-    return identity(name, seen.births.deviations[name], ROUNDING * value, units)
+    return findings.identity(name, seen.births.deviations[name], ROUNDING * value, units)
 
 
 def _drawn(seen: MeasuredRun, name: str, law: Law) -> Iterator[Row]:
@@ -187,17 +175,17 @@ def _drawn(seen: MeasuredRun, name: str, law: Law) -> Iterator[Row]:
     mean, length = law.moment(1), found.count * seen.model.mean_birth_spacing
     second, third, fourth = central_moments(law.moment)
     std, skewness = sqrt(second), abs(third) / second**1.5 / sqrt(found.count)
-    if skewness > LARGEST_SKEWNESS:
-        yield too_short(f"{name}_mean", longer(length, skewness, LARGEST_SKEWNESS))
+    if skewness > findings.LARGEST_SKEWNESS:
+        yield findings.too_short(f"{name}_mean", longer(length, skewness, findings.LARGEST_SKEWNESS))
     else:
         error = std / sqrt(found.count)
-        yield figure(f"{name}_mean", found.mean, mean, error)
+        yield findings.figure(f"{name}_mean", found.mean, mean, error)
     if std < _NARROW * mean:
         yield left_out(f"{name}_std", "the law is too narrow for its moments to show it")
         return
     error = sqrt((fourth - second**2) / found.count) / (2.0 * std)
-    tail = tail_of_squares(law, mean, found.count, length)
-    yield judged(f"{name}_std", found.std, std, error, length=length, tail=tail)
+    tail = findings.tail_of_squares(law, mean, found.count, length)
+    yield findings.judged(f"{name}_std", found.std, std, error, length=length, tail=tail)
 
 
 def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float]:
@@ -213,8 +201,8 @@ def sums(seen: MeasuredRun) -> Iterator[Row]:
     reach, largest = model.distance + 2.0 * seen.largest, seen.largest
     # Distances are known to a rounding of the farthest; so are ages, and areas by their slope of at most pi d/2.
     rounding = seen.most_alive() * largest * (AREA_ROUNDING * largest + 4.0 * ROUNDING * reach)
-    yield identity("area_from_rows", float(area), rounding, "um^2")
-    yield identity("count_from_rows", float(count), 0.0, "")
+    yield findings.identity("area_from_rows", float(area), rounding, "um^2")
+    yield findings.identity("count_from_rows", float(count), 0.0, "")
     if model.strengths is not None and model.held is None and not isinstance(model.strengths, Fixed):
         strongest = float(model.strengths.quantile(np.array([1.0 - _RARE]))[0])
-        yield identity("force_from_rows", float(force), strongest * rounding, "uN")
+        yield findings.identity("force_from_rows", float(force), strongest * rounding, "uN")

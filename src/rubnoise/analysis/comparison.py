@@ -9,23 +9,10 @@ from typing import Final
 
 import numpy as np
 
+from rubnoise.analysis import findings
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.births import ROUNDING, births, marks, scattered, start, sums
 from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
-from rubnoise.analysis.findings import (
-    FEWEST,
-    LARGEST_ERROR,
-    LARGEST_TAIL_SKEWNESS,
-    Comparison,
-    Tail,
-    comparison,
-    identity,
-    judged,
-    kolmogorov_figure,
-    sample_distance,
-    tail_of,
-    too_short,
-)
 from rubnoise.analysis.measured import STRETCHES, MeasuredRun, measured_run
 from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, needed_for_mean, over_ticks, slowest_decay
 from rubnoise.analysis.records import RecordTooShort, longer
@@ -60,7 +47,7 @@ def area(seen: MeasuredRun) -> Iterator[Row]:
     expected, found = area_cumulants(seen.model), seen.moments[AREA]
     if expected.variance == 0.0:
         away = max(abs(found.mean - expected.mean), found.std)
-        yield identity("real_contact_area", away, 1e-9 * expected.mean, "um^2")
+        yield findings.identity("real_contact_area", away, 1e-9 * expected.mean, "um^2")
     else:
         yield from moments(seen, AREA)
 
@@ -70,7 +57,7 @@ def force(seen: MeasuredRun) -> Iterator[Row]:
     strengths, found = seen.model.strengths, seen.moments[AREA]
     if isinstance(strengths, Fixed) and "friction_force" in seen.off and seen.model.held is None:
         allowed = ROUNDING * strengths.mean * (found.mean + _FAR * found.std)
-        yield identity("friction_force", seen.off["friction_force"], allowed, "uN")
+        yield findings.identity("friction_force", seen.off["friction_force"], allowed, "uN")
     elif strengths is not None:
         yield from moments(seen, FORCE)
 
@@ -85,9 +72,11 @@ def memory(seen: MeasuredRun) -> Iterator[Row]:
     lags = step * np.array(seen.layout.lags, dtype=np.float64)
     exact = autocovariance(model, lags) - area_noise(stretch).variance_of_mean()
     errors, found = covariance_errors(model, lags, length, step), seen.products.covariances()
-    scale, tail = float(autocovariance(model, np.zeros(1))[0]), tail_of(model, length, 5)
+    scale, tail = float(autocovariance(model, np.zeros(1))[0]), findings.tail_of(model, length, 5)
     for lag, *values in zip(lags.tolist(), found.tolist(), exact.tolist(), errors.tolist(), strict=True):
-        yield judged(f"real_contact_area_autocovariance_{lag:.3g}", *values, length=length, scale=scale, tail=tail)
+        yield findings.judged(
+            f"real_contact_area_autocovariance_{lag:.3g}", *values, length=length, scale=scale, tail=tail
+        )
 
 
 def spectrum(seen: MeasuredRun) -> Iterator[Row]:
@@ -99,23 +88,23 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
     found, layout = seen.spectrum.spectrum(), seen.layout
     if found.segments < FEWEST_SEGMENTS:
         ticks = found.ticks + (FEWEST_SEGMENTS - 1) * half_of(found.ticks)
-        yield too_short("spectrum", (layout.first["trace"] + layout.stride * ticks) * model.tick)
+        yield findings.too_short("spectrum", (layout.first["trace"] + layout.stride * ticks) * model.tick)
         return
     _, expected = expected_periodogram(model, layout.stride * model.tick, hann(found.ticks))
     # A life's energy |A^(k)|^2 goes with d^6 while a wave is longer than it, and with d^2 beyond.
-    tails = {power: tail_of(model, length, power) for power in (2, 6)}
+    tails = {power: findings.tail_of(model, length, power) for power in (2, 6)}
     for band in band_powers(model, found, expected, length, BANDS):
         name = f"spectrum_{band.lowest:.3g}_to_{band.highest:.3g}"
         tail = _band_tail(model, band, tails[6 if band.lowest * model.calibrated_diameter < np.pi else 2], length)
-        yield judged(name, band.observed, band.expected, band.standard_error, length=length, tail=tail)
+        yield findings.judged(name, band.observed, band.expected, band.standard_error, length=length, tail=tail)
 
 
-def _band_tail(model: Model, band: Band, of_sizes: Tail, length: float) -> Tail:
+def _band_tail(model: Model, band: Band, of_sizes: findings.Tail, length: float) -> findings.Tail:
     """Return the tail of a band's power: off the centre line a few lives with a sharp tip have most short waves."""
-    if model.pulse.offset == "none" or band.skewness <= LARGEST_TAIL_SKEWNESS:
+    if model.pulse.offset == "none" or band.skewness <= findings.LARGEST_TAIL_SKEWNESS:
         return of_sizes
-    needed = max(of_sizes.needed, longer(length, band.skewness, LARGEST_TAIL_SKEWNESS))
-    return Tail(skewness=max(of_sizes.skewness, band.skewness), needed=needed)
+    needed = max(of_sizes.needed, longer(length, band.skewness, findings.LARGEST_TAIL_SKEWNESS))
+    return findings.Tail(skewness=max(of_sizes.skewness, band.skewness), needed=needed)
 
 
 def _stretch(seen: MeasuredRun, wanted: str = "") -> tuple[Model, Model, float]:
@@ -151,10 +140,12 @@ def _zero_share(seen: MeasuredRun) -> Row:
     _, stretch, length = _stretch(seen)
     (exact, error, skewness), name = zero_share(stretch), "junction_count_zero_share"
     relative = error / min(exact, 1.0 - exact) if error else inf
-    needed = max(longer(length, relative, LARGEST_ERROR), longer(length, abs(skewness), LARGEST_TAIL_SKEWNESS))
-    tail = Tail(skewness=skewness, needed=needed if needed > length else 0.0)
+    needed = max(
+        longer(length, relative, findings.LARGEST_ERROR), longer(length, abs(skewness), findings.LARGEST_TAIL_SKEWNESS)
+    )
+    tail = findings.Tail(skewness=skewness, needed=needed if needed > length else 0.0)
     value = seen.zero_ticks / seen.ticks()
-    return judged(name, value, exact, error, length=length, skewness=0.0, tail=tail)
+    return findings.judged(name, value, exact, error, length=length, skewness=0.0, tail=tail)
 
 
 def _distance(seen: MeasuredRun, *, in_contact: bool) -> Row:
@@ -168,12 +159,12 @@ def _distance(seen: MeasuredRun, *, in_contact: bool) -> Row:
     areas = areas[counts > 0] if in_contact else areas
     atom = exact.atom_at_zero
     share = 1.0 - atom if in_contact else 1.0
-    if areas.size < FEWEST:
-        return too_short(name, (first + apart * FEWEST / share) * seen.model.tick)
+    if areas.size < findings.FEWEST:
+        return findings.too_short(name, (first + apart * findings.FEWEST / share) * seen.model.tick)
     heights = np.asarray(exact.cdf(areas), dtype=np.float64)
     if in_contact:
-        return kolmogorov_figure(name, sample_distance(areas, (heights - atom) / share), areas.size)
-    return kolmogorov_figure(name, sample_distance(areas, heights, atom=atom), areas.size, atom)
+        return findings.kolmogorov_figure(name, findings.sample_distance(areas, (heights - atom) / share), areas.size)
+    return findings.kolmogorov_figure(name, findings.sample_distance(areas, heights, atom=atom), areas.size, atom)
 
 
 # The motion.
@@ -183,7 +174,7 @@ def balance(seen: MeasuredRun) -> Iterator[Row]:
         found = Balance.of(seen.model, seen.last)
         rounding = 2.0 * ROUNDING * sqrt(max(100.0 * seen.model.distance / seen.model.calibrated_diameter, 1.0))
         allowed, away = (_STEP_ERROR + rounding) * found.scale, abs(found.energy_residual) * found.scale
-        yield identity("energy", away, allowed, "uN um")
+        yield findings.identity("energy", away, allowed, "uN um")
 
 
 def mean_force(seen: MeasuredRun) -> Iterator[Row]:
@@ -198,13 +189,13 @@ def mean_force(seen: MeasuredRun) -> Iterator[Row]:
     need_random_births(model, "the standard error of a mean force")
     found, needed = Balance.of(model, seen.last), needed_for_mean(model)
     if model.distance < needed:
-        yield too_short("mean_force", needed)
+        yield findings.too_short("mean_force", needed)
         return
     share = found.distance / (found.speed * found.time)
     expected = force_cumulants(model).mean * share + found.expected_excess()
-    error, tail = mean_force_error(model, model.distance) * share, tail_of(model, model.distance, 3, 1)
+    error, tail = mean_force_error(model, model.distance) * share, findings.tail_of(model, model.distance, 3, 1)
     value = found.mean_force
-    yield judged("mean_force", value, expected, error, length=model.distance, skewness=0.0, tail=tail)
+    yield findings.judged("mean_force", value, expected, error, length=model.distance, skewness=0.0, tail=tail)
 
 
 def motion(seen: MeasuredRun) -> Iterator[Row]:
@@ -219,7 +210,7 @@ def motion(seen: MeasuredRun) -> Iterator[Row]:
     if "base_displacement" in seen.off:
         highest = model.base_per_area * (seen.moments[AREA].mean + _FAR * seen.moments[AREA].std)
         off = seen.off["base_displacement"]
-        yield identity("base_displacement", off, ROUNDING * highest, "um")
+        yield findings.identity("base_displacement", off, ROUNDING * highest, "um")
     motion_of(model)
     if model.slider.damping == 0.0:
         yield left_out("displacement", "a slider without damping never forgets its start")
@@ -227,7 +218,7 @@ def motion(seen: MeasuredRun) -> Iterator[Row]:
     decays = FEWEST_DECAYS * slowest_decay(model.slider) * drive_of(model).speed
     needed = seen.layout.first["slider"] * model.tick + max(decays, needed_for_mean(model))
     if model.distance < needed:
-        yield too_short("displacement", needed)
+        yield findings.too_short("displacement", needed)
     else:
         yield from moments(seen, PLACE, SPEED)
 
@@ -243,7 +234,7 @@ def load(seen: MeasuredRun) -> Iterator[Row]:
     decays = FEWEST_DECAYS * slowest_decay(drive.slider) * drive.speed
     needed = seen.layout.first["load"] * model.tick + max(decays, needed_for_mean(model))
     if model.distance < needed:
-        yield too_short("load", needed)
+        yield findings.too_short("load", needed)
     else:
         yield from moments(seen, GAP, RISE, BORNE, RUBBED)
 
@@ -251,10 +242,10 @@ def load(seen: MeasuredRun) -> Iterator[Row]:
 def _borne(seen: MeasuredRun, allowed: float) -> Iterator[Row]:
     """Yield how far load and force are at most from what area and separation give."""
     if "load" in seen.off:
-        yield identity("load", seen.off["load"], allowed, "uN")
+        yield findings.identity("load", seen.off["load"], allowed, "uN")
     if isinstance(seen.model.strengths, Fixed) and seen.model.held is not None and "friction_force" in seen.off:
         force = allowed * seen.model.strengths.mean / seen.model.held.hardness
-        yield identity("friction_force", seen.off["friction_force"], force, "uN")
+        yield findings.identity("friction_force", seen.off["friction_force"], force, "uN")
 
 
 def flight(seen: MeasuredRun, free: FreeSeparation) -> Iterator[Row]:
@@ -266,7 +257,7 @@ def flight(seen: MeasuredRun, free: FreeSeparation) -> Iterator[Row]:
     held, found, step = free.held, seen.stretches, seen.model.tick_duration or 1.0
     yield from _borne(seen, 2.0**-40 * seen.largest)
     if not found or found["load"].length < 2 * STRETCHES:
-        yield too_short("load_mean", 2 * STRETCHES**2 * seen.model.tick)
+        yield findings.too_short("load_mean", 2 * STRETCHES**2 * seen.model.tick)
         return
     gained = (held.mass * found["velocity"].gained + held.damping * found["separation"].gained) / step
     yield scattered("load_mean", found["load"].means - gained, held.load)
@@ -298,7 +289,7 @@ PARTS: Final[dict[str, tuple[str, dict[str, Producer]]]] = {
 """The parts of a comparison: the group in which its record begins, and what yields its figures, by name."""
 
 
-def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
+def compare(model: Model, rows: Rows, bound: float | None = None) -> findings.Comparison:
     """Return the comparison of a run with theory; ``bound`` replaces the family-wise bound on |z|.
 
     Only stored rows count, and no figure that the run has stored. They are read once, in chunks. Raises
@@ -307,13 +298,15 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     seen = measured_run(model, rows)
     if model.free is not None:
         found = (*flight(seen, model.free), left_out("everything else", SILENT))
-        return comparison({"load": found}, {"load": 0.0}, bound)
+        return findings.comparison({"load": found}, {"load": 0.0}, bound)
     first, needed = seen.layout.first["trace"] * model.tick, needed_for_mean(model)
     if seen.ticks() * model.tick < needed:
         length, mean = (model.tick_count + 1) * model.tick, seen.moments.get(AREA, Moments()).mean
         raise RecordTooShort("a comparison with the theory", mean, length=length, needed=first + needed)
     begins = {heading: seen.layout.first.get(group, 0) * model.tick for heading, (group, _) in PARTS.items()}
-    return comparison({heading: _found(seen, producers) for heading, (_, producers) in PARTS.items()}, begins, bound)
+    return findings.comparison(
+        {heading: _found(seen, producers) for heading, (_, producers) in PARTS.items()}, begins, bound
+    )
 
 
 def _found(seen: MeasuredRun, producers: Mapping[str, Producer]) -> list[Row]:

@@ -2,13 +2,14 @@
 
 from bisect import bisect_left
 from dataclasses import dataclass
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import ContactKind, LandmarkKind
+from rubnoise.record.sink import Columns
 
 
 def first_landmark(rows: Rows, time: float) -> int:
@@ -19,90 +20,76 @@ def first_landmark(rows: Rows, time: float) -> int:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Lasting:
-    """Rows ``first`` to before ``last`` of /landmarks, and what lasts from one kind of them to the next landmark.
+class Spells:
+    """What a slider does for a while, again and again, between two times of a run.
 
-    begin, end: of each in s, cut off at two times; times: the durations in s of those wholly between these.
+    begin, end: of each spell in s, cut off at the two times; times: the durations in s of those that begin and end
+    between them; rows: the landmarks between them by column, of those that ``columns`` names.
     """
 
-    first: int
-    last: int
+    begins: ClassVar[int]
+    ends: ClassVar[int]
+    columns: ClassVar[tuple[str, ...]]
     begin: Doubles
     end: Doubles
     times: Doubles
-
-
-def _lasting(rows: Rows, begin: float, end: float, most: int | None, begins: int, ends: int) -> _Lasting:
-    """Return what lasts between two times in s; of more than ``most`` landmarks, up to the time of the next one.
-
-    ``begins`` and ``ends`` are kinds of landmarks. If the first one of a run ends something, it began with it.
-    """
-    first, last = first_landmark(rows, begin), first_landmark(rows, end)
-    if most is not None and last - first > most:
-        last = first + most
-        end = float(rows.column("landmarks", "time", last, last + 1)[0])
-    kind, time = (rows.column("landmarks", name, max(first - 1, 0), last) for name in ("kind", "time"))
-    if first == 0:
-        before = begins if kind.size and kind[0] == ends else -1
-        kind, time = np.append(before, kind), np.append(begin, time)
-    at = np.flatnonzero(kind == begins)
-    whole = at[(at > 0) & (at + 1 < kind.size)]
-    until = np.append(time, end)[at + 1]
-    durations = time[whole + 1] - time[whole]
-    return _Lasting(first=first, last=last, begin=np.maximum(time[at], begin), end=until, times=durations)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Flights:
-    """Flights and impacts between two times of a run.
-
-    begin, end: every flight in s, from contact lost to contact made, cut off at the two times; times: the durations in
-    s of flights that begin and end between them; impacts, speeds: the times in s when contact is made, and the speeds
-    in um/s at which the overlap then grows, by sliding and by falling.
-    """
-
-    begin: Doubles
-    end: Doubles
-    times: Doubles
-    impacts: Doubles
-    speeds: Doubles
+    rows: Columns
 
     @classmethod
     def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
-        """Return the flights of a free run between two times in s, of ``most`` landmarks at most."""
-        found = _lasting(rows, begin, end, most, ContactKind.CONTACT_LOST, ContactKind.CONTACT_MADE)
-        names = ("kind", "time", "impact_speed")
-        kind, time, speed = (rows.column("landmarks", name, found.first, found.last) for name in names)
-        made = kind == ContactKind.CONTACT_MADE
-        return cls(begin=found.begin, end=found.end, times=found.times, impacts=time[made], speeds=speed[made])
+        """Return the spells between two times in s; of more than ``most`` landmarks, up to the time of the next one.
+
+        If the first landmark of a run ends a spell, this began with the run.
+        """
+        first, last = first_landmark(rows, begin), first_landmark(rows, end)
+        if most is not None and last - first > most:
+            last = first + most
+            end = float(rows.column("landmarks", "time", last, last + 1)[0])
+        kind, time = (rows.column("landmarks", name, max(first - 1, 0), last) for name in ("kind", "time"))
+        if first == 0:
+            before = cls.begins if kind.size and kind[0] == cls.ends else -1
+            kind, time = np.append(before, kind), np.append(begin, time)
+        at = np.flatnonzero(kind == cls.begins)
+        whole = at[(at > 0) & (at + 1 < kind.size)]
+        return cls(
+            begin=np.maximum(time[at], begin),
+            end=np.append(time, end)[at + 1],
+            times=time[whole + 1] - time[whole],
+            rows={name: rows.column("landmarks", name, first, last) for name in cls.columns},
+        )
+
+
+class Flights(Spells):
+    """Flights of a slider that may leave its contact, from contact lost to contact made, and its impacts."""
+
+    __slots__ = ()
+    begins, ends = ContactKind.CONTACT_LOST, ContactKind.CONTACT_MADE
+    columns = ("kind", "time", "impact_speed")
+
+    @property
+    def impacts(self) -> Doubles:
+        """The times in s when contact is made."""
+        return np.asarray(self.rows["time"][self.rows["kind"] == self.ends])
+
+    @property
+    def speeds(self) -> Doubles:
+        """The speeds in um/s at which the overlap then grows, by sliding and by falling."""
+        return np.asarray(self.rows["impact_speed"][self.rows["kind"] == self.ends])
 
     def share(self, begin: float, end: float) -> float:
         """Return the share of the time from one to the other, in s, that the slider is off the surface."""
         return float((self.end - self.begin).sum()) / (end - begin)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StickSlip:
-    """Sticks and slips between two times of a run.
+class Sticks(Spells):
+    """Sticks of a two-way slider, and the slips between them."""
 
-    stick_begin, stick_end: every stick in s, cut off at the two times; stick_times: the durations in s of sticks that
-    begin and end between them; slip_lengths: the distances in um from a breakaway to the next stick or turn.
-    """
+    __slots__ = ()
+    begins, ends = LandmarkKind.STICK, LandmarkKind.SLIP
+    columns = ("kind", "distance")
 
-    stick_begin: Doubles
-    stick_end: Doubles
-    stick_times: Doubles
-    slip_lengths: Doubles
-
-    @classmethod
-    def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
-        """Return the sticks and slips of a two-way run between two times in s, of ``most`` landmarks at most."""
-        found = _lasting(rows, begin, end, most, LandmarkKind.STICK, LandmarkKind.SLIP)
-        kind, distance = (rows.column("landmarks", name, found.first, found.last) for name in ("kind", "distance"))
-        slipped = np.flatnonzero(kind[:-1] == LandmarkKind.SLIP)
-        return cls(
-            stick_begin=found.begin,
-            stick_end=found.end,
-            stick_times=found.times,
-            slip_lengths=distance[slipped + 1] - distance[slipped],
-        )
+    @property
+    def slip_lengths(self) -> Doubles:
+        """The distances in um from a breakaway to the next stick or turn."""
+        slipped = np.flatnonzero(self.rows["kind"][:-1] == self.ends)
+        return np.diff(self.rows["distance"])[slipped]

@@ -267,7 +267,7 @@ def _occasion(life: "Life") -> str:
 
 
 def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:
-    from rubnoise.figures.contact import life_png
+    from rubnoise.figures.contact import draw_life
 
     check_picture(path, force=force, reads=[file])
-    write_picture(path, lambda _: life_png(life, printable(file.name)), force=force)
+    write_picture(path, lambda: draw_life(life, printable(file.name)), force=force)

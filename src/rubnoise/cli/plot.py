@@ -12,12 +12,14 @@ import typer
 
 import rubnoise
 from rubnoise.answer import printable
-from rubnoise.api.kinds import Kind
+from rubnoise.api.kinds import Kind, Style
 from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
-from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.errors import RunFileRefused
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.style import Format
     from rubnoise.record.reader import Reader
@@ -142,38 +144,35 @@ def _plot_run(
     from rubnoise.api.pictures import picture_of
     from rubnoise.api.trace import Trace
     from rubnoise.cli.loading import finished_run
-    from rubnoise.figures.style import as_bytes, house_style
     from rubnoise.storage.reader import open_run
 
     quantity = "" if of is SpectrumOf.area else f"_{of}"
     path = output or Path(f"{file.stem}_{what}{quantity}.png")
     check_picture(path, force=force, reads=[file] if beside is None else [file, beside])
-    with finished_run(file) as run, ExitStack() as opened, house_style(look.style):
+    with finished_run(file) as run, ExitStack() as opened:
         other: Trace | Reader | None = None
         if beside is not None:
             is_record = beside.suffix.lower() in RECORDS
             other = Trace.from_csv(beside) if is_record else opened.enter_context(open_run(beside))
-        figure = picture_of(run, what, ends, of.value, other, look, names=("--of", f"--with {beside}"))
-        write_picture(path, partial(as_bytes, figure), force=force)
+        draw = partial(picture_of, run, what, ends, of.value, other, look, names=("--of", f"--with {beside}"))
+        write_picture(path, draw, force=force, style=look.style)
 
 
 def _plot_sweep(
     folder: Path, what: str | None, of: SpectrumOf, output: Path | None, look: "Appearance", *, force: bool
 ) -> None:
     from rubnoise.figures.catalogue import first_quantity, sweep_drawing
-    from rubnoise.figures.style import as_bytes, house_style
+    from rubnoise.figures.tracks import prefix_refusals
 
     if of is not SpectrumOf.area:
         raise typer.BadParameter(f"--of is for psd and histogram of a run, not for {what or 'a quantity of a sweep'}")
-    with rubnoise.open_sweep(folder) as sweep, house_style(look.style):
+    with rubnoise.open_sweep(folder) as sweep:
         shown = what or first_quantity(sweep)
         path = output or Path(f"{folder.resolve().name}_{shown}.png")
-        kind = check_picture(path, force=force)
-        try:
-            content = as_bytes(sweep_drawing(sweep, shown, look=look), kind)
-        except Refused as refusal:
-            raise type(refusal)(f"{folder}: {refusal}") from refusal
-    write_picture(path, lambda _: content, force=force)
+        check_picture(path, force=force)
+        with prefix_refusals(str(folder)):
+            figure = sweep_drawing(sweep, shown, look=look)
+    write_picture(path, lambda: figure, force=force, style=look.style)
 
 
 def distance(option: str, text: str | None) -> float | None:
@@ -201,11 +200,12 @@ def check_picture(path: Path, *, force: bool, reads: Sequence[Path] = ()) -> "Fo
     return kind
 
 
-def write_picture(path: Path, draw: "Callable[[Format], bytes]", *, force: bool) -> None:
-    """Draw a picture in the format of its file's ending, write the file whole or not at all, and print its name."""
+def write_picture(path: Path, draw: "Callable[[], Figure]", *, force: bool, style: Style = "screen") -> None:
+    """Draw a picture, write it whole or not at all in the format of its file's ending, and print its name."""
+    from rubnoise.figures.style import drawn
     from rubnoise.storage.output import whole_file
 
-    picture = draw(check_picture(path, force=force))
+    picture = drawn(draw, kind=check_picture(path, force=force), style=style)
     with whole_file(path, force=force) as part:
         part.write_bytes(picture)
     print(path)

@@ -62,9 +62,9 @@ def command(
     if (plot or points_given) and model.slider is not None and model.slider.excitation == "velocity-weakening":
         raise Refused(f"{file}: a force that falls with speed has no noise, so there are no curves of it")
     if plot and picture is not None:
-        from rubnoise.figures.theory import theory_picture
+        from rubnoise.figures.theory import theory_figure
 
-        write_picture(picture, lambda kind: theory_picture(model, file.name, kind), force=force)
+        write_picture(picture, lambda: theory_figure(model, file.name), force=force)
         return
     at = places({"wavenumber": wavenumbers, "lag": lags, "area": areas, "distance": distances})
     title = f"{file}: {scenario.title}".removesuffix(": ")

@@ -15,22 +15,10 @@ from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.errors import Refused
+from rubnoise.figures import style
 from rubnoise.figures.panes import draw_along, draw_histogram, draw_lanes, draw_layers, edges_of, mark_ends, mark_mean
 from rubnoise.figures.spectra import draw_spectra, is_expected, spectrum_of
 from rubnoise.figures.stretch import MOST_READ, Stretch
-from rubnoise.figures.style import (
-    AREA,
-    BLUE,
-    CONFIDENCE,
-    DISTANCE,
-    FAINT,
-    INK,
-    NEAREST,
-    PALE,
-    VERMILION,
-    exact_band,
-    logarithmic,
-)
 from rubnoise.figures.tracks import Track, tracks_of
 from rubnoise.theory.moments import area_cumulants, distribution, share_of
 from rubnoise.theory.second_order import autocovariance, spectral_density
@@ -47,8 +35,8 @@ def draw_trace(figure: "Figure", stretch: Stretch) -> str:
         axes = figure.subplots()
     else:
         strip, axes = figure.subplots(2, 1, height_ratios=[1, 2.6])
-        strip.axvspan(shown.begin, shown.end, color=PALE, lw=0.0, zorder=0)
-        strip.plot(*whole.curve(), color=FAINT, lw=0.5)
+        strip.axvspan(shown.begin, shown.end, color=style.PALE, lw=0.0, zorder=0)
+        strip.plot(*whole.curve(), color=style.FAINT, lw=0.5)
         strip.set(xlim=(whole.begin, whole.end), xlabel="sliding distance (µm), the stretch below shaded", ylabel="µm²")
         strip.set_ylim(bottom=0.0)
     draw_along(axes, [shown])
@@ -62,15 +50,17 @@ def draw_count(figure: "Figure", stretch: Stretch) -> str:
     draw_along(along, [track.shown()], drawstyle="steps-post")
     counts = np.bincount(track.record().astype(np.int64))
     numbers = np.arange(int(np.flatnonzero(counts)[0]), counts.size)
-    often.bar(numbers, counts[numbers] / counts.sum(), width=1.0, color=BLUE, alpha=0.45, lw=0.0, label="simulated")
+    often.bar(
+        numbers, counts[numbers] / counts.sum(), width=1.0, color=style.BLUE, alpha=0.45, lw=0.0, label="simulated"
+    )
     mean = stretch.model.mean_live_junctions
     if stretch.has_theory and isinstance(stretch.model.births, PoissonBirths):
         from scipy.special import gammaln
 
         law = np.exp(numbers * np.log(mean) - mean - gammaln(numbers + 1.0))
-        often.plot(numbers, law, "o", color=VERMILION, ms=3.0, label="exact: Poisson")
+        often.plot(numbers, law, "o", color=style.VERMILION, ms=3.0, label="exact: Poisson")
     elif stretch.has_theory:
-        often.axvline(mean, color=VERMILION, label="exact mean")
+        often.axvline(mean, color=style.VERMILION, label="exact mean")
     along.locator_params(axis="y", integer=True)
     often.locator_params(axis="x", integer=True)
     often.set(xlabel=track.quantity.label, ylabel="share of the ticks")
@@ -93,8 +83,8 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> str:
     axes = figure.subplots()
     if stretch.has_theory:
         _draw_exact(axes, stretch, np.linspace(0.0, float(lag[-1]), 400))
-    axes.plot(lag, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
-    rounding = (NEAREST * mean) ** 2
+    axes.plot(lag, products.covariances(), "o", color=style.BLUE, ms=2.6, label="simulated")
+    rounding = (style.NEAREST * mean) ** 2
     if max(np.abs(axes.get_ylim())) < rounding:
         axes.set_ylim(-rounding, rounding)
     axes.set(xlim=(0.0, lag[-1]), xlabel="lag in sliding distance (µm)", ylabel="autocovariance (µm⁴)")
@@ -103,16 +93,16 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> str:
 
 def _draw_exact(axes: "Axes", stretch: Stretch, lag: Doubles) -> None:
     exact, model = autocovariance(stretch.model, lag), stretch.model
-    axes.axhline(0.0, color=FAINT, lw=0.6, zorder=0)
+    axes.axhline(0.0, color=style.FAINT, lw=0.6, zorder=0)
     if isinstance(model.births, PoissonBirths):
         label = "95 % of estimates, each lag alone: neighbours err together"
         band = covariance_band(stretch, lag, exact)
-        axes.fill_between(lag, *band, color=VERMILION, alpha=0.15, lw=0.0, label=label)
-    axes.plot(lag, exact, color=VERMILION, lw=1.6, label="exact")
+        axes.fill_between(lag, *band, color=style.VERMILION, alpha=0.15, lw=0.0, label=label)
+    axes.plot(lag, exact, color=style.VERMILION, lw=1.6, label="exact")
     centred, (smallest, largest) = model.pulse.offset == "none", model.sizes.support
     whose = "a life" if smallest == largest and centred else "the mean life"
     words = f"{whose}, {'2d' if centred else 'πd/2'} = {model.mean_life_distance:.4g} µm"
-    axes.axvline(model.mean_life_distance, color=INK, lw=0.9, ls=(0, (4, 3)), zorder=0, label=words)
+    axes.axvline(model.mean_life_distance, color=style.INK, lw=0.9, ls=(0, (4, 3)), zorder=0, label=words)
 
 
 def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Doubles, Doubles]:
@@ -121,7 +111,7 @@ def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Dou
     They lie about the expected estimate: R(tau) less the variance of the subtracted mean, S(0) over the stretch.
     """
     length = stretch.stop - stretch.start
-    error = CONFIDENCE * covariance_errors(stretch.model, lag, length, stretch.model.tick)
+    error = style.CONFIDENCE * covariance_errors(stretch.model, lag, length, stretch.model.tick)
     expected = exact - float(spectral_density(stretch.model, 0.0)) / length
     return expected - error, expected + error
 
@@ -160,18 +150,18 @@ def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
     tallest = areas.max(axis=1, initial=0.0)
     largest, peak = int(np.argmax(np.append(tallest, 0.0))), 0.25 * np.pi * model.sizes.moment(2)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
-    exact_band(above, law.mean, law.std)
-    draw_layers(above, place, areas, largest, INK)
-    above.set(xlim=(shown.start, shown.stop), ylabel=AREA)
+    style.exact_band(above, law.mean, law.std)
+    draw_layers(above, place, areas, largest, style.INK)
+    above.set(xlim=(shown.start, shown.stop), ylabel=style.AREA)
     above.set_ylim(bottom=0.0)
-    below.plot(place, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.6)
+    below.plot(place, np.where(areas > 0.0, areas, np.nan).T, color=style.FAINT, lw=0.6)
     if tallest.size:
         row = areas[largest]
-        below.plot(place[row > 0.0], row[row > 0.0], color=INK, lw=1.6, label="the largest of them")
-    below.axhline(peak, color=VERMILION, lw=1.2, zorder=0, label="exact mean of the area at mid-life")
+        below.plot(place[row > 0.0], row[row > 0.0], color=style.INK, lw=1.6, label="the largest of them")
+    below.axhline(peak, color=style.VERMILION, lw=1.2, zorder=0, label="exact mean of the area at mid-life")
     highest, even = 1.1 * max(peak, float(tallest.max(initial=0.0))), np.ones(alive.rows.size)
     mark_ends(below, alive, -0.09 * highest * even, -0.18 * highest * even)
-    below.set(ylim=(-0.27 * highest, highest), ylabel="junction area (µm²)", xlabel=DISTANCE)
+    below.set(ylim=(-0.27 * highest, highest), ylabel="junction area (µm²)", xlabel=style.DISTANCE)
     below.set_yticks([tick for tick in below.get_yticks() if 0.0 <= tick <= highest])
 
 
@@ -187,7 +177,7 @@ def draw_lifelines(figure: "Figure", stretch: Stretch) -> str:
     draw_along(below, [Track.of(shown, "count")], drawstyle="steps-post")
     below.locator_params(axis="y", integer=True)
     for axes in (above, below):
-        axes.axvline(middle, color=INK, lw=1.0)
+        axes.axvline(middle, color=style.INK, lw=1.0)
     words = "lives, from birth to death" if stretch.has_theory else "touches, from contact made to contact lost"
     return f"{alive.rows.size} {words}"
 
@@ -241,7 +231,7 @@ def draw_values(figure: "Figure", stretch: Stretch, of: str = "area") -> str:
     highest = float(density.max()) or 1.0
     linear.set_ylim(0.0, 1.2 * highest)  # not as high as the exact density: it is singular at 0
     tails.set_ylim(0.3 * float(density.min(where=density > 0.0, initial=highest)), 3.0 * highest)
-    logarithmic(tails.yaxis)
+    style.logarithmic(tails.yaxis)
     atom = 0.0 if law is None else law.atom_at_zero
     known = f"\nno contact at all: {np.mean(values == 0.0):.3g} (exact {atom:.3g})" if atom > RARE else ""
     return f"Distribution of the {track.quantity.words}{_off_surface(track, values)}{known}"
@@ -291,7 +281,7 @@ def draw_population(figure: "Figure", stretch: Stretch, of: Law) -> str:
     else:
         values = np.diff(born(stretch, "birth_distance"))
     edges, mean = edges_of(values, POPULATION_BINS), stretch.model.births.mean_spacing
-    if of == "gaps" and np.ptp(values) > NEAREST * mean:
+    if of == "gaps" and np.ptp(values) > style.NEAREST * mean:
         edges = np.linspace(0.0, LONGEST_GAPS * mean, POPULATION_BINS + 1)
     (words, label), axes = LAWS[of], figure.subplots()
     law = share_of(of, stretch.model, edges) if stretch.has_theory else None

@@ -9,6 +9,7 @@ from rubnoise.analysis.sound import Heard
 from rubnoise.api.kinds import Kind, Style
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
+from rubnoise.figures import style
 from rubnoise.figures.area_pictures import (
     draw_acf,
     draw_count,
@@ -24,17 +25,6 @@ from rubnoise.figures.narrow import fit_labels
 from rubnoise.figures.slider_pictures import draw_landmarks, draw_load, draw_motion, draw_overview, draw_phase
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import draw_study, study_of_sweep
-from rubnoise.figures.style import (
-    INK,
-    Format,
-    add_legends,
-    add_title,
-    as_bytes,
-    house_style,
-    in_place_of,
-    new_figure,
-    shortened,
-)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,12 +73,6 @@ Measured = tuple[str, Doubles, Doubles]
 """A spectrum of the user's own, to lay over that of a run: its name, places and densities in the picture's units."""
 
 
-def picture(name: Kind, stretch: Stretch, kind: Format, **how: Any) -> bytes:
-    """Return a picture of a run as the bytes of a file; see `drawing`."""
-    with house_style():
-        return as_bytes(drawing(name, stretch, **how), kind)
-
-
 def drawing(
     name: Kind,
     stretch: Stretch,
@@ -109,14 +93,14 @@ def drawing(
     options: dict[str, Any] = {} if heard is None else {"of": heard}
     if beside is not None:
         options["beside"] = beside
-    with house_style(look.style), in_place_of(ax) as place:
-        figure = new_figure(*(look.inches or size)) if place is None else place
-        add_title(figure, stretch, draw(figure, stretch, **options), beside)
+    with style.house_style(look.style), style.in_place_of(ax) as place:
+        figure = style.new_figure(*(look.inches or size)) if place is None else place
+        style.add_title(figure, stretch, draw(figure, stretch, **options), beside)
         if measured is not None:
             label, over, density = measured
-            figure.axes[0].plot(over, density, color=INK, lw=1.0, label=shortened(label))
+            figure.axes[0].plot(over, density, color=style.INK, lw=1.0, label=style.shortened(label))
         if not figure.legends:
-            add_legends(figure.axes)
+            style.add_legends(figure.axes)
         _finish(figure, look, fitted=ax is None)
     whole: Figure = figure.figure
     return whole
@@ -136,7 +120,7 @@ def sweep_drawing(sweep: SweepResult, what: str | None, *, look: Appearance = AS
 
     Raises Refused if the sweep does not have the quantity.
     """
-    with house_style(look.style):
+    with style.house_style(look.style):
         figure = draw_study(study_of_sweep(sweep, what or first_quantity(sweep)), look.inches)
         _finish(figure, look)
         return figure

@@ -12,7 +12,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened, with_minus
+from rubnoise.figures.style import BLUE, FAINT, INK, PALE, house_style, new_figure, shortened, with_minus
 from rubnoise.record.rows import JunctionState
 
 if TYPE_CHECKING:
@@ -155,22 +155,22 @@ SAMPLES: Final = 401
 UNITS_OF_TIME: Final = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
 
 
-def life_png(life: Life, source: str = "") -> bytes:
-    """Return the picture of one life as a png; ``source`` is the origin in its title."""
-    with house_style():
-        figure = new_figure(6.6, 5.6)
-        above, below = figure.subplots(2, 1, sharex=True)
-        above.set_title(_title(life, source), pad=10.0)
-        _draw_neighbours(above, life)
-        _draw_own(above, life)
-        _draw_contact(below, life)
-        for axes in (above, below):
-            _shade_unknown(axes, life)
-            axes.legend(loc="upper right", ncols=3, frameon=True, fancybox=False, edgecolor="none", framealpha=1.0)
-        _add_times(above, below, life)
-        below.set_xlabel("sliding distance since its birth (µm)")
-        below.set_xlim(0.0, life.life_distance)
-        return as_png(figure)
+@house_style()
+def draw_life(life: Life, source: str = "") -> "Figure":
+    """Draw one life; ``source`` is the origin in its title."""
+    figure = new_figure(6.6, 5.6)
+    above, below = figure.subplots(2, 1, sharex=True)
+    above.set_title(_title(life, source), pad=10.0)
+    _draw_neighbours(above, life)
+    _draw_own(above, life)
+    _draw_contact(below, life)
+    for axes in (above, below):
+        _shade_unknown(axes, life)
+        axes.legend(loc="upper right", ncols=3, frameon=True, fancybox=False, edgecolor="none", framealpha=1.0)
+    _add_times(above, below, life)
+    below.set_xlabel("sliding distance since its birth (µm)")
+    below.set_xlim(0.0, life.life_distance)
+    return figure
 
 
 def _title(life: Life, source: str) -> str:

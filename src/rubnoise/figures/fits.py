@@ -7,7 +7,7 @@ import numpy as np
 
 from rubnoise.analysis import records
 from rubnoise.api.fit import NAMES
-from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, as_bytes, house_style, logarithmic, new_figure
+from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, drawn, house_style, logarithmic, new_figure
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.surface.sliding import SlidingContact
 from rubnoise.surface.waves import Waves
@@ -26,14 +26,9 @@ _MOST_SHOWN: Final = 600
 _BINS: Final = 60
 
 
-def contact_picture(contact: SlidingContact) -> bytes:
-    """Return a PNG of five panes: both surfaces with patches, bearing curve, spectra, number, autocovariance."""
-    with house_style():
-        return as_bytes(contact_figure(contact), "png")
-
-
+@house_style()
 def contact_figure(contact: SlidingContact) -> "Figure":
-    """Return the figure of a contact, to be called within `house_style()`."""
+    """Return five panes: both surfaces with patches, bearing curve, spectra, number, autocovariance."""
     figure = new_figure(9.0, 10.5)
     panes: Any = figure.subplot_mosaic([["map", "bearing"], ["spectra", "counts"], ["memory", "memory"]])
     _draw_map(panes["map"], contact)
@@ -128,8 +123,7 @@ _MOST = 1 << 20  # samples of an autocorrelation
 
 def fit_page(found: InferenceResult, name: str, text: str) -> str:
     """Return a page of HTML, in the style of a run's report: estimates, five pictures, tests, the command's texts."""
-    with house_style():
-        picture = as_bytes(_draw_fit(found), "svg").decode("utf-8")
+    picture = drawn(fit_figure, found, kind="svg").decode("utf-8")
     picture = picture[picture.index("<svg") :]
     estimates = [
         (key.replace("_", " "), f"{each.value:.4g}", "{:.4g} to {:.4g}".format(*each.interval), each.unit.strip("1"))
@@ -145,13 +139,9 @@ def fit_page(found: InferenceResult, name: str, text: str) -> str:
     return report_page(f"Junctions behind {name}", sections)
 
 
+@house_style()
 def fit_figure(found: InferenceResult) -> "Figure":
-    """Return trace, spectrum, residuals, autocorrelation and histogram as one figure, which a notebook shows."""
-    with house_style():
-        return _draw_fit(found)
-
-
-def _draw_fit(found: InferenceResult) -> "Figure":
+    """Return trace, spectrum, residuals, autocorrelation and histogram as one figure."""
     fit, signal = found.fit, found.signal
     if fit is None:
         raise AssertionError("an inference that was refused has no picture")

@@ -13,17 +13,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.selection import Neighbours
 from rubnoise.arrays import Doubles
-from rubnoise.figures.style import (
-    BLUE,
-    DISTANCE,
-    FAINT,
-    INK,
-    NEAREST,
-    STUCK,
-    VERMILION,
-    exact_band,
-    logarithmic,
-)
+from rubnoise.figures import style
 from rubnoise.figures.tracks import Track, labels_of
 
 if TYPE_CHECKING:
@@ -33,7 +23,7 @@ if TYPE_CHECKING:
 def curve_styles(count: int) -> list[dict[str, Any]]:
     """Return the styles of the curves of one run or two: with two, the first is broad and pale."""
     if count == 1:
-        return [{"color": BLUE, "lw": 0.9}]
+        return [{"color": style.BLUE, "lw": 0.9}]
     return [{"color": "#6fb3df", "lw": 1.8, "solid_joinstyle": "round"}, {"color": "#04213a", "lw": 0.8}]
 
 
@@ -48,7 +38,7 @@ def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **lo
     first = tracks[0]
     known = first.quantity.moments(first.model) if len(tracks) == 1 and first.has_theory else None
     if known is not None:
-        exact_band(axes, *known)
+        style.exact_band(axes, *known)
     for track, label, own in zip(tracks, labels_of(tracks), curve_styles(len(tracks)), strict=True):
         axes.plot(*track.curve(), label=label, **(own | look))
     shade(axes, next((track for track in tracks if track.model.is_two_way), first))
@@ -60,7 +50,7 @@ def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **lo
         _widen_if_constant(axes)
     axes.set_ylabel(first.quantity.label)
     if last:
-        axes.set_xlabel("time (s)" if first.timed else DISTANCE)
+        axes.set_xlabel("time (s)" if first.timed else style.DISTANCE)
     else:
         axes.tick_params(labelbottom=False)
 
@@ -69,7 +59,7 @@ def _widen_if_constant(axes: "Axes") -> None:
     """Let values that differ by rounding alone span a fifth of themselves: no axis has the digits for less."""
     low, high = axes.get_ylim()
     middle = 0.5 * (low + high)
-    if high - low < NEAREST * abs(middle):
+    if high - low < style.NEAREST * abs(middle):
         axes.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
 
 
@@ -82,18 +72,16 @@ def shade(axes: "Axes", track: Track) -> None:
     found = track.landmarks()
     if found is None:
         return
-    free = isinstance(found, Flights)
-    begin, end = (found.begin, found.end) if isinstance(found, Flights) else (found.stick_begin, found.stick_end)
-    start, width, share = spans(begin, end, track.begin, track.end)
+    start, width, share = spans(found.begin, found.end, track.begin, track.end)
     if start.size:
         axes.broken_barh(
             list(zip(start.tolist(), width.tolist(), strict=True)),
             (0.0, 1.0),
             transform=axes.get_xaxis_transform(),
-            facecolors=[(*STUCK, each) for each in share.tolist()],
+            facecolors=[(*style.STUCK, each) for each in share.tolist()],
             lw=0.0,
             zorder=0,
-            label="off the surface" if free else "stick",
+            label="off the surface" if isinstance(found, Flights) else "stick",
         )
 
 
@@ -116,7 +104,7 @@ def edges_of(values: Doubles, bins: int) -> Doubles:
     """Return edges of bins from the least value to the largest; values that differ by rounding alone are in one."""
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
     largest = max(abs(low), abs(high))
-    room = (1e-9 if high - low > NEAREST * largest else 0.1) * (largest or 1.0)
+    room = (1e-9 if high - low > style.NEAREST * largest else 0.1) * (largest or 1.0)
     return np.linspace(low - room if low <= 0.0 else max(low - room, 0.0), high + room, bins + 1)
 
 
@@ -129,14 +117,14 @@ def draw_histogram(
     """
     width = np.diff(edges)
     density = np.asarray(np.histogram(values, edges)[0] / (total * width), dtype=np.float64)
-    axes.stairs(density, edges, fill=True, color=BLUE, alpha=0.45, lw=0.0, label="simulated")
+    axes.stairs(density, edges, fill=True, color=style.BLUE, alpha=0.45, lw=0.0, label="simulated")
     if law is None:
         return density
     exact = law / width
-    axes.stairs(exact, edges, color=VERMILION, lw=1.4, label="exact")
+    axes.stairs(exact, edges, color=style.VERMILION, lw=1.4, label="exact")
     if band:
         error = 2.0 * np.sqrt(law * (1.0 - law) / total) / width
-        look: dict[str, Any] = {"fill": True, "color": VERMILION, "alpha": 0.2, "lw": 0.0}
+        look: dict[str, Any] = {"fill": True, "color": style.VERMILION, "alpha": 0.2, "lw": 0.0}
         low = np.maximum(exact - error, 0.0)
         axes.stairs(exact + error, edges, baseline=low, label="± 2 std errors of a bin", **look)
     return density
@@ -144,7 +132,7 @@ def draw_histogram(
 
 def mark_mean(axes: "Axes", values: Doubles, label: str) -> None:
     """Mark the mean of values in their histogram."""
-    axes.axvline(float(values.mean()), color=INK, lw=0.8, ls=(0, (4, 3)), label=label)
+    axes.axvline(float(values.mean()), color=style.INK, lw=0.8, ls=(0, (4, 3)), label=label)
 
 
 PER_DECADE, MOST_DECADES = 8, 8
@@ -162,12 +150,12 @@ def draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str,
     if shown.size:
         edges = ratio_bins(shown)
         name = f"{values.size:,} {what}{'s' * (values.size != 1)}" + (f", {nothing:,} of them 0" if nothing else "")
-        axes.hist(np.maximum(shown, edges[0]), bins=edges.tolist(), color=BLUE, alpha=0.55, lw=0.0, label=name)
+        axes.hist(np.maximum(shown, edges[0]), bins=edges.tolist(), color=style.BLUE, alpha=0.55, lw=0.0, label=name)
         median = float(np.median(values))
-        axes.axvline(median, color=INK, lw=1.2, label=f"median {median:.3g} {unit}")
+        axes.axvline(median, color=style.INK, lw=1.2, label=f"median {median:.3g} {unit}")
         place, words = mark
-        axes.axvline(place, color=VERMILION, lw=1.2, ls=(0, (5, 3)), label=words)
-        logarithmic(axes.xaxis)
+        axes.axvline(place, color=style.VERMILION, lw=1.2, ls=(0, (5, 3)), label=words)
+        style.logarithmic(axes.xaxis)
         axes.set_xlim(min(edges[0], 0.8 * place), max(edges[-1], 1.25 * place))
     axes.locator_params(axis="y", integer=True)
 
@@ -196,7 +184,7 @@ def draw_density(axes: "Axes", x: Doubles, y: Doubles) -> None:
     )
     drawn.set_rasterized(True)
     bar = axes.figure.colorbar(drawn, ax=axes, pad=0.02, label="share of the time in a box")
-    logarithmic(bar.ax.yaxis)
+    style.logarithmic(bar.ax.yaxis)
 
 
 # Lives.
@@ -215,13 +203,13 @@ def draw_layers(axes: "Axes", place: Doubles, areas: Doubles, marked: int, colou
         alive, shade = row > 0.0, colour if number == marked else LAYER_SHADES[number % len(LAYER_SHADES)]
         axes.fill_between(place[alive], base[alive], (base + row)[alive], color=shade, lw=0.0, rasterized=True)
         base = base + row
-    axes.plot(place, areas.sum(axis=0), color=BLUE, lw=1.6, label="their sum, the simulated area")
+    axes.plot(place, areas.sum(axis=0), color=style.BLUE, lw=1.6, label="their sum, the simulated area")
 
 
 def mark_ends(axes: "Axes", lives: Neighbours, births: Doubles, deaths: Doubles) -> None:
     """Mark births by rings and deaths by crosses at heights, if there is room for them."""
     if lives.rows.size <= MOST_MARKED:
-        look: dict[str, Any] = {"color": INK, "ls": "", "ms": 3.4 if lives.rows.size <= 100 else 2.4, "mew": 0.8}
+        look: dict[str, Any] = {"color": style.INK, "ls": "", "ms": 3.4 if lives.rows.size <= 100 else 2.4, "mew": 0.8}
         axes.plot(lives.birth, births, "o", mfc="white", label="birth", **look)
         axes.plot(lives.death, deaths, "x", label="death", **look)
 
@@ -234,8 +222,8 @@ def draw_lanes(axes: "Axes", lives: Neighbours, middle: float) -> None:
     crossed = (lives.birth <= middle) & (middle < lives.death)
     room = 0.55 * 72.0 * axes.figure.figure.get_figheight() / (highest + 1.0)  # points from lane to lane, about
     for rows, colour, label in (
-        (~crossed, FAINT, "other lives"),
-        (crossed, BLUE, f"{crossed.sum()} alive at the line"),
+        (~crossed, style.FAINT, "other lives"),
+        (crossed, style.BLUE, f"{crossed.sum()} alive at the line"),
     ):
         axes.hlines(lane[rows], lives.birth[rows], lives.death[rows], color=colour, lw=0.7 * room, label=label)
     mark_ends(axes, lives, lane, lane)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.landmarks import Flights, StickSlip
+from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.errors import Refused
 from rubnoise.figures.panes import curve_styles, draw_along, draw_counts, draw_density, draw_layers
@@ -130,14 +130,14 @@ def draw_landmarks(figure: "Figure", stretch: Stretch) -> str:
     track = Track.of(stretch, "load" if free else "displacement")
     found, span = track.landmarks(), f"between {track.begin:.4g} and {track.end:.4g} s"
     left, right = figure.subplots(1, 2)
-    if isinstance(found, StickSlip):
-        if not (found.slip_lengths.size or found.stick_times.size):
+    if isinstance(found, Sticks):
+        if not (found.slip_lengths.size or found.times.size):
             raise Refused(f"the slider ends no slip and no stick {span}")
         title = "Slip lengths and stick times"
         longer = int((found.slip_lengths > model.calibrated_diameter).sum())
         diameter = model.calibrated_diameter, f"mean diameter; {longer:,} slips are longer"
         draw_counts(left, found.slip_lengths, "slip", "slip length", "µm", diameter)
-        draw_counts(right, 1e3 * found.stick_times, "stick", "stick time", "ms", (1e3 / track.natural, NATURAL_PERIOD))
+        draw_counts(right, 1e3 * found.times, "stick", "stick time", "ms", (1e3 / track.natural, NATURAL_PERIOD))
     else:
         if not (isinstance(found, Flights) and held is not None and found.impacts.size):
             raise Refused(f"the slider does not fall back on the surface {span}")

@@ -16,19 +16,7 @@ from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figure_names import FIGURE_NAMES
-from rubnoise.figures.style import (
-    SERIES,
-    VERMILION,
-    Format,
-    as_bytes,
-    house_style,
-    logarithmic,
-    new_figure,
-    one_line,
-    put_title,
-    shortened,
-    with_minus,
-)
+from rubnoise.figures import style
 from rubnoise.scenario import Scenario, build
 from rubnoise.units import NUMBER, Quantity
 
@@ -279,21 +267,15 @@ TALL: Final = 10.0
 """Ratio of the highest to the lowest value from which a quantity over a logarithmic axis has one too."""
 
 
-def study_picture(study: Study, kind: Format) -> bytes:
-    """Return the picture of a study as the bytes of a file, the same for the same study."""
-    with house_style():
-        return as_bytes(draw_study(study), kind)
-
-
 def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figure":
     """Draw the points of every line with their 95 % intervals, and the exact curves. Within ``house_style()``."""
-    figure = new_figure(*(inches or (6.4 if len(study.lines) > 1 else 5.4, 4.0)))
+    figure = style.new_figure(*(inches or (6.4 if len(study.lines) > 1 else 5.4, 4.0)))
     axes = figure.subplots()
-    for number, (line, (colour, marker)) in enumerate(zip(study.lines, cycle(SERIES), strict=False)):
+    for number, (line, (colour, marker)) in enumerate(zip(study.lines, cycle(style.SERIES), strict=False)):
         shift = 0.0 if study.numeric else APART * (number - 0.5 * (len(study.lines) - 1))
         look = {"color": colour, "fmt": marker, **LOOK}
         if number < MOST_LABELS and line.label:
-            look["label"] = one_line(line.label)
+            look["label"] = style.one_line(line.label)
         places = shift + study.scale * np.array([spot.place for spot in line.spots])
         _draw_points(axes, places, line, look)
         if line.has_exact:
@@ -301,8 +283,8 @@ def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figu
     _label(axes, study)
     _legend(axes, study)
     shown = f"{quantity_words(study.quantity)} over {key_words(study.key)}"
-    name = shortened(study.title)
-    put_title(figure, shown[0].upper() + shown[1:], f"sweep {name}" if name else "")
+    name = style.shortened(study.title)
+    style.put_title(figure, shown[0].upper() + shown[1:], f"sweep {name}" if name else "")
     return figure
 
 
@@ -320,10 +302,10 @@ def _draw_exact(axes: "Axes", places: Doubles, line: StudyLine, study: Study, sh
     """Draw the exact curve, or, if between points there is nothing, a dash at each of them."""
     if line.curve is None:
         look: dict[str, Any] = {"marker": "_", "ms": 14.0, "mew": 1.4, "ls": "none"}
-        axes.plot(places, [spot.exact for spot in line.spots], color=VERMILION, zorder=2, **look)
+        axes.plot(places, [spot.exact for spot in line.spots], color=style.VERMILION, zorder=2, **look)
     else:
         across, exact = line.curve
-        axes.plot(study.scale * across + shift, exact, color=VERMILION, lw=1.2, zorder=2, ls=study.dashes(line))
+        axes.plot(study.scale * across + shift, exact, color=style.VERMILION, lw=1.2, zorder=2, ls=study.dashes(line))
 
 
 def _label(axes: "Axes", study: Study) -> None:
@@ -334,7 +316,7 @@ def _label(axes: "Axes", study: Study) -> None:
         _scale(axes, study, values)
     else:
         labels = {spot.place: str(spot.values[study.key]) for line in study.lines for spot in line.spots}
-        axes.set_xticks(list(labels), [shortened(text, LONGEST_LABEL) for text in labels.values()])
+        axes.set_xticks(list(labels), [style.shortened(text, LONGEST_LABEL) for text in labels.values()])
         axes.margins(x=0.15)
     if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
         axes.set_ylim(bottom=0.0)
@@ -346,28 +328,28 @@ def _scale(axes: "Axes", study: Study, values: Doubles) -> None:
     The axis of the key labels the values that are swept, if they are few and apart.
     """
     if study.logarithmic:
-        logarithmic(axes.xaxis)
+        style.logarithmic(axes.xaxis)
         if np.nanmin(values) > 0.0 and np.nanmax(values) > TALL * np.nanmin(values):
-            logarithmic(axes.yaxis)
+            style.logarithmic(axes.yaxis)
     places = study.scale * np.unique([spot.place for line in study.lines for spot in line.spots])
     along = np.log(places) if study.logarithmic else places
     if places.size > 1 and np.diff(along).min() > CLOSE * np.ptp(along):
-        axes.set_xticks(places, [with_minus(f"{place:.4g}") for place in places])
+        axes.set_xticks(places, [style.with_minus(f"{place:.4g}") for place in places])
         axes.set_xticks([], minor=True)
 
 
 def _legend(axes: "Axes", study: Study) -> None:
     """Distinguish lines by the values of the other keys; below them stands the exact curve."""
-    points: Any = axes.errorbar([], [], [], **LOOK, color=SERIES[0][0], fmt=SERIES[0][1])
+    points: Any = axes.errorbar([], [], [], **LOOK, color=style.SERIES[0][0], fmt=style.SERIES[0][1])
     handles, labels = axes.get_legend_handles_labels()
     title = None
     if study.others:
-        title = f"simulated, 95 % interval,\n{one_line(', '.join(map(key_words, study.others)))}:"
+        title = f"simulated, 95 % interval,\n{style.one_line(', '.join(map(key_words, study.others)))}:"
     else:
         handles, labels = [points], ["simulated, 95 % interval"]
     known = {study.dashes(line) for line in study.lines if line.has_exact}
     for dashes in sorted(known, key=str, reverse=True):
-        handles += axes.plot([], [], color=VERMILION, lw=1.2, ls=dashes)
+        handles += axes.plot([], [], color=style.VERMILION, lw=1.2, ls=dashes)
         labels.append("exact" if dashes == "-" else "law of weak coupling")
     axes.legend(handles, labels, loc="best", title=title, alignment="left")
 

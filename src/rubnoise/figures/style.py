@@ -4,7 +4,7 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 """
 
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache, partial
 from io import BytesIO
@@ -59,17 +59,11 @@ LONGEST_NAME: Final = 32
 SETTINGS: Final[dict[str, Any]] = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
-    "font.size": 9.0,
-    "axes.titlesize": 10.0,
-    "figure.titlesize": 10.0,
     "axes.titlelocation": "left",
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.formatter.useoffset": False,
-    "axes.linewidth": 0.8,
     "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "lines.linewidth": 1.2,
     "hatch.linewidth": 0.5,
     "hatch.color": FAINT,
     "savefig.facecolor": "white",
@@ -98,7 +92,7 @@ def _picture_class() -> Any:
     # Not through pyplot: it would look for a screen and keep every figure of the process.
     from matplotlib.figure import Figure
 
-    return type("Figure", (Figure,), {"_repr_png_": as_png, "__doc__": Figure.__doc__})
+    return type("Figure", (Figure,), {"_repr_png_": as_bytes, "__doc__": Figure.__doc__})
 
 
 @contextmanager
@@ -141,32 +135,35 @@ def _grid_place(ax: Any) -> tuple[Any, Any]:
     return figure, ax.get_subplotspec()
 
 
+SIZES: Final = {
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "figure.titlesize": 10.0,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.2,
+    "axes.linewidth": 0.8,
+}
+"""Sizes of letters and lines on a screen."""
+
 STYLES: Final[dict[Style, float]] = {"screen": 1.0, "paper": 0.72, "slides": 1.65}
-"""Factors to letters and lines: for a journal's page, whose columns are 84 and 174 mm wide, and for a wall."""
-
-_SCALED: Final = (
-    "font.size",
-    "axes.titlesize",
-    "figure.titlesize",
-    "legend.fontsize",
-    "lines.linewidth",
-    "axes.linewidth",
-)
+"""Factors to them: for a journal's page, whose columns are 84 and 174 mm wide, and for a wall."""
 
 
-def house_style(style: Style = "screen") -> Any:
-    """Return the context in which figures are made; raises PicturesMissing without matplotlib."""
+@contextmanager
+def house_style(style: Style = "screen") -> Iterator[None]:
+    """Have figures made in our style within the context; raises PicturesMissing without matplotlib."""
     try:
         import matplotlib as mpl
     except ImportError as problem:
         raise PicturesMissing(f"a picture needs matplotlib: {how_to_install('plot')}") from problem
     # From the library's own defaults: a reader's matplotlibrc must not change what a figure says.
     settings: dict[Any, Any] = dict(mpl.rcParamsDefault)
-    scaled = {name: STYLES[style] * SETTINGS[name] for name in _SCALED}
-    return mpl.rc_context(settings | SETTINGS | scaled | {"backend": "agg"})
+    scaled = {name: STYLES[style] * size for name, size in SIZES.items()}
+    with mpl.rc_context(settings | SETTINGS | scaled | {"backend": "agg"}):
+        yield
 
 
-def as_bytes(figure: "Figure", kind: Format) -> bytes:
+def as_bytes(figure: "Figure", kind: Format = "png") -> bytes:
     """Return a figure as the bytes of a png, pdf or svg file, the same for the same figure on any day."""
     stream = BytesIO()
     with warnings.catch_warnings():
@@ -176,9 +173,10 @@ def as_bytes(figure: "Figure", kind: Format) -> bytes:
     return stream.getvalue()
 
 
-def as_png(figure: "Figure") -> bytes:
-    """Return a figure as the bytes of a png file, the same for the same figure."""
-    return as_bytes(figure, "png")
+def drawn(draw: Callable[..., "Figure"], *of: Any, kind: Format = "png", style: Style = "screen", **how: Any) -> bytes:
+    """Return what a function draws, in the house style, as the bytes of a file."""
+    with house_style(style):
+        return as_bytes(draw(*of, **how), kind)
 
 
 def logarithmic(*several: "Axis") -> None:

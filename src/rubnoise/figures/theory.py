@@ -7,19 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.errors import Refused
-from rubnoise.figures.style import (
-    AREA,
-    FAINT,
-    INK,
-    VERMILION,
-    Format,
-    as_bytes,
-    contact_label,
-    house_style,
-    logarithmic,
-    new_figure,
-    shortened,
-)
+from rubnoise.figures import style
 from rubnoise.model import Model, Slider
 from rubnoise.theory.moments import Cumulants, area_cumulants, distribution
 from rubnoise.theory.motion import motion_spectrum, response
@@ -37,21 +25,16 @@ NOTE_COLOUR: Final = "#5a5a5a"
 RARE: Final = 1e-6
 
 
-def theory_picture(model: Model, title: str, kind: Format) -> bytes:
-    """Return the picture of a model's theory as the bytes of a file."""
-    with house_style():
-        return as_bytes(theory_figure(model, title), kind)
-
-
+@style.house_style()
 def theory_figure(model: Model, title: str) -> "Figure":
     """Draw distribution, autocovariance and spectrum of A_r, and the spectrum of a slider's displacement.
 
     ``title`` says what the model is from.
     """
     area = area_cumulants(model)
-    figure = new_figure(7.6, 5.6)
+    figure = style.new_figure(7.6, 5.6)
     moments = f"What is exact: real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
-    whose = f"{shortened(title)}: {contact_label(model)}"
+    whose = f"{style.shortened(title)}: {style.contact_label(model)}"
     figure.suptitle(f"{moments}\n{whose}", x=0.01, ha="left", fontsize=10.0)
     rows: Any = [["law", "covariance"], ["spectrum", "spectrum" if model.slider is None else "response"]]
     axes = figure.subplot_mosaic(rows)
@@ -76,11 +59,13 @@ def _draw_law(axes: "Axes", model: Model, area: Cumulants) -> None:
     span = np.linspace(max(0.0, area.mean - REACH * area.std), area.mean + REACH * area.std, POINTS)[1:]
     density = law.density(span)
     bell = np.exp(-0.5 * ((span - area.mean) / area.std) ** 2) / (np.sqrt(2.0 * pi) * area.std)
-    axes.plot(span, bell, color=FAINT, lw=1.0, ls=(0, (4, 2)), label="normal")
-    axes.fill_between(span, density, color=VERMILION, alpha=0.15, lw=0.0)
-    axes.plot(span, density, color=VERMILION, lw=1.6, label="exact")
+    axes.plot(span, bell, color=style.FAINT, lw=1.0, ls=(0, (4, 2)), label="normal")
+    axes.fill_between(span, density, color=style.VERMILION, alpha=0.15, lw=0.0)
+    axes.plot(span, density, color=style.VERMILION, lw=1.6, label="exact")
     axes.set(
-        xlabel=AREA, ylabel="density (1/µm²)", xlim=(0.0 if area.mean < 2.0 * REACH * area.std else None, span[-1])
+        xlabel=style.AREA,
+        ylabel="density (1/µm²)",
+        xlim=(0.0 if area.mean < 2.0 * REACH * area.std else None, span[-1]),
     )
     # A density that is singular at 0 must not flatten the rest.
     axes.set_ylim(0.0, min(1.1 * float(density[np.isfinite(density)].max()), 6.0 * float(bell.max())))
@@ -91,9 +76,9 @@ def _draw_law(axes: "Axes", model: Model, area: Cumulants) -> None:
 
 def _draw_covariance(axes: "Axes", model: Model) -> None:
     lag = np.linspace(0.0, max(covariance_reach(model, LITTLE), 1.25 * model.mean_life_distance), LAGS)
-    axes.axhline(0.0, color=FAINT, lw=0.6)
-    axes.plot(lag, autocovariance(model, lag), color=VERMILION, lw=1.6)
-    axes.axvline(model.mean_life_distance, color=FAINT, lw=0.8, ls=(0, (2, 2)), label="mean life")
+    axes.axhline(0.0, color=style.FAINT, lw=0.6)
+    axes.plot(lag, autocovariance(model, lag), color=style.VERMILION, lw=1.6)
+    axes.axvline(model.mean_life_distance, color=style.FAINT, lw=0.8, ls=(0, (2, 2)), label="mean life")
     axes.set(title="Autocovariance", xlim=(0.0, lag[-1]), xlabel="lag (µm)", ylabel="covariance (µm⁴)")
     axes.legend(loc="upper right")
 
@@ -107,19 +92,19 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
         _write_note(axes, "nothing varies")
         return
     if density.any():
-        axes.plot(wavenumber, density, color=VERMILION, lw=1.6, label="exact")
+        axes.plot(wavenumber, density, color=style.VERMILION, lw=1.6, label="exact")
     if power.size:
         shown = lines <= wavenumber[-1]
-        axes.vlines(lines[shown], 1e-3 * power[shown], power[shown], color=VERMILION, lw=1.2, label="lines (µm⁴)")
-        axes.plot(lines[shown], power[shown], "o", color=VERMILION, ms=3.0)
+        axes.vlines(lines[shown], 1e-3 * power[shown], power[shown], color=style.VERMILION, lw=1.2, label="lines (µm⁴)")
+        axes.plot(lines[shown], power[shown], "o", color=style.VERMILION, ms=3.0)
     with suppress(Refused):
         level = tail(model, wavenumber)
         below = level < 5.0 * density[0]
         label = f"tail k{_POWERS[model.pulse.tail[1]]}"
-        axes.plot(wavenumber[below], level[below], color=INK, lw=0.8, ls=(0, (4, 2)), label=label)
+        axes.plot(wavenumber[below], level[below], color=style.INK, lw=0.8, ls=(0, (4, 2)), label=label)
         # Zeros of the triangle's spectrum would stretch the axis to nowhere.
         axes.set_ylim(0.05 * float(level[-1]), 5.0 * density[0])
-    logarithmic(axes.xaxis, axes.yaxis)
+    style.logarithmic(axes.xaxis, axes.yaxis)
     axes.set(xlim=(wavenumber[0], wavenumber[-1]), xlabel="wavenumber (rad/µm)", ylabel="µm⁴ per rad/µm")
     axes.legend(loc="lower left")
 
@@ -140,8 +125,8 @@ def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
     if not density.any():
         _write_note(axes, "regular births of one size leave lines alone" if spread else "nothing varies")
         return
-    axes.plot(frequency, density, color=VERMILION, lw=1.6)
-    logarithmic(axes.xaxis, axes.yaxis)
+    axes.plot(frequency, density, color=style.VERMILION, lw=1.6)
+    style.logarithmic(axes.xaxis, axes.yaxis)
     axes.set(xlim=(frequency[0], frequency[-1]), xlabel="frequency (Hz)", ylabel="µm²/Hz")
 
 

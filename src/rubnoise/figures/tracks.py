@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.figures import FIGURES
-from rubnoise.analysis.landmarks import Flights, StickSlip, first_landmark
+from rubnoise.analysis.landmarks import Flights, Sticks, first_landmark
 from rubnoise.analysis.spectra import force_spectrum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
@@ -207,12 +207,12 @@ class Track:
         """Whether theory may know the quantity: not for free motion, and of the contact alone with two-way coupling."""
         return self.stretch.has_theory and not (self.group == "slider" and self.model.is_two_way)
 
-    def landmarks(self) -> StickSlip | Flights | None:
+    def landmarks(self) -> Sticks | Flights | None:
         """Return sticks and slips, or flights and impacts; None for what does neither. Of very many the first."""
         file, ends = self.stretch.file, (self.begin, self.end)
         if self.timed and self.model.free is not None:
             return Flights.of(file, *ends, MOST_READ)
-        return StickSlip.of(file, *ends, MOST_READ) if self.timed and self.model.is_two_way else None
+        return Sticks.of(file, *ends, MOST_READ) if self.timed and self.model.is_two_way else None
 
 
 def tracks_of(stretch: Stretch, beside: Stretch | None, name: str) -> list[Track]:

@@ -17,11 +17,11 @@ from rubnoise.api.kinds import Kind
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
-from rubnoise.figures.catalogue import picture
-from rubnoise.figures.fits import contact_picture
+from rubnoise.figures.catalogue import drawing
+from rubnoise.figures.fits import contact_figure
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.study import key_label, quantities_of, quantity_words, study_of_sweep, study_picture
-from rubnoise.figures.style import PicturesMissing
+from rubnoise.figures.study import draw_study, key_label, quantities_of, quantity_words, study_of_sweep
+from rubnoise.figures.style import PicturesMissing, drawn
 from rubnoise.model import Model
 from rubnoise.pages.page import written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
@@ -173,9 +173,9 @@ def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
     for name, caption in captions.items():
         between()
         with _left_out_if_refused():  # a run without a slider has no motion to show
-            yield _picture(picture(name, stretch, "png"), caption)
+            yield _picture(drawn(drawing, name, stretch), caption)
             if name == "histogram" and not stretch.has_theory:
-                yield _picture(picture(name, stretch, "png", heard="load"), "How often each load occurs.")
+                yield _picture(drawn(drawing, name, stretch, heard="load"), "How often each load occurs.")
 
 
 def _sound(file: Reader, between: Between) -> str:
@@ -215,7 +215,7 @@ def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) ->
         words = quantity_words(quantity)
         caption = f"{words[:1].upper()}{words[1:]}, with 95 % intervals and the exact curve."
         with _left_out_if_refused():
-            yield _picture(study_picture(study_of_sweep(sweep, quantity), "png"), caption)
+            yield _picture(drawn(draw_study, study_of_sweep(sweep, quantity)), caption)
 
 
 def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
@@ -250,7 +250,7 @@ def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
     shown = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
     sections = {
         "In numbers": f"<pre>{escape(text)}</pre>",
-        "Pictures": _picture(contact_picture(contact), f"{shown} autocovariance"),
+        "Pictures": _picture(drawn(contact_figure, contact), f"{shown} autocovariance"),
         "Sound": _heard(words, sound),
         "Scenario": f"<pre>{escape(contact.scenario_text(**scenario))}</pre>",
     }

@@ -11,7 +11,7 @@ from typing import Any, Final, Self
 
 import numpy as np
 
-from rubnoise.analysis.landmarks import Flights, StickSlip, first_landmark
+from rubnoise.analysis.landmarks import Flights, Sticks, first_landmark
 from rubnoise.analysis.selection import neighbours
 from rubnoise.arrays import chunk_of_steps
 from rubnoise.errors import Refused
@@ -145,13 +145,13 @@ class RunView:
         file, (first, last) = self.stretch.file, self.stretch.rows("slider")
         times = file.column("slider", "time", first, last)
         begin, end = (float(times[0]), float(times[-1])) if times.size else (0.0, 0.0)
-        found = StickSlip.of(file, begin, end)
+        found = Sticks.of(file, begin, end)
         rows = first_landmark(file, begin), first_landmark(file, end)
         kind, time, place = (file.column("landmarks", name, *rows) for name in ("kind", "time", "displacement"))
         turns = kind == LandmarkKind.REVERSAL
         return {
-            "begin": packed(found.stick_begin),
-            "end": packed(found.stick_end),
+            "begin": packed(found.begin),
+            "end": packed(found.end),
             "reversals": {"time": packed(time[turns]), "displacement": packed(place[turns])},
         }
 
@@ -268,10 +268,10 @@ def _hardest_impact(file: Reader) -> dict[str, float] | None:
 def _longest_stick(file: Reader) -> dict[str, float] | None:
     rows = file.rows("slider")
     end = float(file.column("slider", "time", rows - 1, rows)[0])
-    sticks = StickSlip.of(file, 0.0, end)
-    if not sticks.stick_begin.size:
+    sticks = Sticks.of(file, 0.0, end)
+    if not sticks.begin.size:
         return None
-    longest = int(np.argmax(sticks.stick_end - sticks.stick_begin))
-    begin, end = float(sticks.stick_begin[longest]), float(sticks.stick_end[longest])
+    longest = int(np.argmax(sticks.end - sticks.begin))
+    begin, end = float(sticks.begin[longest]), float(sticks.end[longest])
     row = min(round(0.5 * (begin + end) * (rows - 1) / file.column("slider", "time", rows - 1, rows)[0]), rows - 1)
     return {"begin": begin, "end": end, "distance": float(file.column("slider", "distance", row, row + 1)[0])}
