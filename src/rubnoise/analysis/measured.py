@@ -113,7 +113,6 @@ class Stretches:
     """Sums of a column over STRETCHES stretches of equally many ticks, and its values at their begins and ends."""
 
     def __init__(self, length: int) -> None:
-        """Start without rows; a stretch has ``length`` ticks."""
         self.length, self.sums, self.ends = length, np.zeros(STRETCHES), np.zeros(STRETCHES + 1)
 
     def add(self, first: int, values: Doubles) -> None:
@@ -139,7 +138,6 @@ class Windows:
     """Mean squares of the number of births in windows of one length, less the expected number, by stretch of a run."""
 
     def __init__(self, model: Model, spacings: float) -> None:
-        """Start before the first birth."""
         self.length, self.expected = spacings * model.mean_birth_spacing, spacings
         self.each = int(model.distance / self.length) // STRETCHES
         self._sums = np.zeros((2, STRETCHES))
@@ -168,7 +166,6 @@ class Births:
     """The junctions that are born along a run: gaps, places, sizes, strengths; and who is there at the start."""
 
     def __init__(self, model: Model) -> None:
-        """Start before the first row."""
         self._model = model
         self.count, self.last, self.squares = 0, 0.0, 0.0
         self.shortest, self.longest = np.inf, 0.0
@@ -231,7 +228,6 @@ class MeasuredRun:
     """
 
     def __init__(self, model: Model) -> None:
-        """Start without rows."""
         self.model, self.layout, self.births = model, Sampling.of(model), Births(model)
         self.moments: dict[tuple[str, str], Moments] = {}
         self.off: dict[str, float] = {}

@@ -25,7 +25,6 @@ class RecordTooShort(Refused):
     """
 
     def __init__(self, what: str, estimate: object, *, length: float, needed: float) -> None:
-        """Keep the figure, the length of the record, and the length that it needs."""
         super().__init__(what, estimate, length, needed)
         self.what = what
         self.estimate = estimate

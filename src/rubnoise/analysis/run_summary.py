@@ -3,21 +3,20 @@
 The model determines the places of these curves before the run, so they are equal for all replicates and for theory.
 """
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, floor, log2
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.figures import summarise
+from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors
 from rubnoise.analysis.records import CovarianceSum, HistogramSum
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, bands_of, hann
-from rubnoise.answer import Row
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -63,26 +62,23 @@ class RunLayout:
     @lru_cache(maxsize=8)
     def of(cls, model: Model) -> "RunLayout":
         """Return the layout that suits a model: no part of it grows with the length of its runs."""
-        life = model.mean_life_distance
-        stride = max(1, floor(life / model.tick / _MOST_TICKS_A_LIFE))
-        ticks = model.tick_count // stride + 1
-        segment = _segment(ticks, life / (stride * model.tick))
+        stride = max(1, floor(model.mean_life_distance / model.tick / _MOST_TICKS_A_LIFE))
+        ticks, life = model.tick_count // stride + 1, model.mean_life_distance / (stride * model.tick)
+        reach = max(1, min(round(_LIVES_A_REACH * life), ticks // _FEWEST_SEGMENTS))
+        # A power of two: 64 lives, or fewer if a run had less than eight segments.
+        most = min(_LIVES_A_SEGMENT * life, 2.0 * ticks / (_FEWEST_SEGMENTS + 1))
+        segment = max(_FEWEST_TICKS, 2 ** floor(log2(max(most, 1.0))))
         segments = max(0, (ticks - segment) // (segment // 2) + 1)
         return cls(
             edges=_edges(model),
             batch=ceil(_CORRELATIONS_A_BATCH * _correlation_length(model) / model.tick),
             stride=stride,
             step=stride * model.tick,
-            lags=_lags(ticks, life / (stride * model.tick)),
+            lags=np.arange(0, reach + 1, ceil((reach + 1) / LAGS), dtype=np.int64),
             segment=segment,
             segments=segments,
             bands=tuple(bands_of(segment // 2 + 1, BANDS)) if segments else (),
         )
-
-    @property
-    def middles(self) -> Doubles:
-        """The middles of the bins in um^2."""
-        return 0.5 * (self.edges[1:] + self.edges[:-1])
 
     @property
     def distances(self) -> Doubles:
@@ -111,37 +107,14 @@ def _correlation_length(model: Model) -> float:
     return float(spectral_density(model, 0.0)) / variance
 
 
-def _lags(ticks: int, ticks_a_life: float) -> NDArray[np.int64]:
-    reach = max(1, min(round(_LIVES_A_REACH * ticks_a_life), ticks // _FEWEST_SEGMENTS))
-    return np.arange(0, reach + 1, ceil((reach + 1) / LAGS), dtype=np.int64)
-
-
-def _segment(ticks: int, ticks_a_life: float) -> int:
-    """Return the ticks of a segment, a power of two: 64 lives, or fewer if a run had less than eight segments."""
-    most = min(_LIVES_A_SEGMENT * ticks_a_life, 2.0 * ticks / (_FEWEST_SEGMENTS + 1))
-    return max(_FEWEST_TICKS, 2 ** floor(log2(max(most, 1.0))))
-
-
 CURVES: Final = {"histogram": BINS, "histogram_standard_error": BINS, "spectrum": BANDS, "autocovariance": LAGS}
 """The curves of a summary, and how many numbers each has; those left over are nan."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RunSummary:
-    """The figures of a run, and its curves of real contact area by name: um^-2, um^4 per rad/um, um^4.
-
-    `rubnoise.analysis.run_summary.curve_theory` returns the places of the curves and their expected values.
-    """
-
-    figures: list[Row]
-    curves: dict[str, Doubles]
 
 
 class SummarySink:
     """A sink that sums up a run from its rows; its memory does not grow with the run."""
 
     def __init__(self, model: Model) -> None:
-        """Start without rows."""
         layout = RunLayout.of(model)
         self._model = model
         self._layout = layout
@@ -161,22 +134,23 @@ class SummarySink:
         self._spectrum.add(thinned)
         self._covariance.add(thinned)
 
-    def finish(self) -> RunSummary:
-        """Return the summary of the rows so far."""
-        histogram, spectrum = self._histogram.histogram(), self._spectrum.spectrum()
+    def finish(self) -> dict[str, Any]:
+        """Return the attributes of the figures of the rows so far, and the CURVES of real contact area by name.
+
+        These are in um^-2, um^4 per rad/um and um^4; `curve_theory` returns their places and expected values.
+        """
+        histogram = self._histogram.histogram()
         curves = {
             "histogram": histogram.density,
             "histogram_standard_error": histogram.standard_error,
-            "spectrum": self._layout.banded(spectrum.density),
+            "spectrum": self._layout.banded(self._spectrum.spectrum().density),
             "autocovariance": self._covariance.covariances(),
         }
-        return RunSummary(
-            figures=summarise(self._model, self._tally),
-            curves={name: filled_up(values, CURVES[name]) for name, values in curves.items()},
-        )
+        figures = attributes_of(summarise(self._model, self._tally))
+        return {**figures, **{name: _filled_up(values, CURVES[name]) for name, values in curves.items()}}
 
 
-def filled_up(values: Doubles, count: int) -> Doubles:
+def _filled_up(values: Doubles, count: int) -> Doubles:
     """Return values filled with nan up to a count, and with nan in place of infinite ones."""
     finite = np.where(np.isfinite(values), values, np.nan)
     return np.pad(finite, (0, count - values.size), constant_values=np.nan)
@@ -186,44 +160,29 @@ FEWEST_TICKS_A_LIFE = 8
 """Ticks to a mean life below which errors of autocovariance and spectrum, made for a continuous record, do not hold."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CurveTheory:
-    """Places of a curve, its expected values, and the standard errors for one run; nan if theory gives none.
-
-    In um^2, rad/um and um; in um^-2, um^4 per rad/um and um^4.
-    """
-
-    place: Doubles
-    expected: Doubles
-    standard_error: Doubles
-
-
 @lru_cache(maxsize=8)
-def curve_theory(model: Model) -> dict[str, CurveTheory]:
-    """Return the expected histogram, spectrum and autocovariance of a model's runs.
+def curve_theory(model: Model) -> dict[str, Doubles]:
+    """Return place, expected values and standard errors of the curves of a model's runs; nan if theory gives none.
 
-    The histogram's errors come from each run, since theory has none. There are no expected values for a run that starts
-    empty.
+    Places are in um^2, rad/um and um. The histogram's errors come from each run, since theory has none. There are no
+    expected values for a run that starts empty.
     """
-    layout = RunLayout.of(model)
+    layout, found = RunLayout.of(model), dict[str, Doubles]()
     wavenumbers = np.asarray(2.0 * np.pi * np.fft.rfftfreq(layout.segment, layout.step), dtype=np.float64)
-    return {
-        "histogram": _made(layout.middles, BINS, model, lambda: (_shares(model, layout), np.empty(0))),
-        "spectrum": _made(layout.banded(wavenumbers), BANDS, model, lambda: _spectrum(model, layout)),
-        "autocovariance": _made(layout.distances, LAGS, model, lambda: _covariance(model, layout)),
+    places = {
+        "histogram": (0.5 * (layout.edges[1:] + layout.edges[:-1]), _shares),
+        "spectrum": (layout.banded(wavenumbers), _spectrum),
+        "autocovariance": (layout.distances, _covariance),
     }
-
-
-def _made(place: Doubles, count: int, model: Model, theory: Callable[[], tuple[Doubles, Doubles]]) -> CurveTheory:
-    expected = error = np.empty(0)
-    if model.start == "stationary":
-        with suppress(Refused):
-            expected, error = theory()
-    return CurveTheory(
-        place=filled_up(place, count),
-        expected=filled_up(expected, count),
-        standard_error=filled_up(error if _has_errors(model) else np.empty(0), count),
-    )
+    for name, (place, theory) in places.items():
+        expected = error = np.empty(0)
+        if model.start == "stationary":
+            with suppress(Refused):
+                expected, error = theory(model, layout)
+        parts = {"place": place, "expected": expected, "standard_error": error if _has_errors(model) else np.empty(0)}
+        found |= {f"{name}_{part}": _filled_up(values, CURVES[name]) for part, values in parts.items()}
+    del found["histogram_standard_error"]  # which each run has
+    return found
 
 
 def _has_errors(model: Model) -> bool:
@@ -235,9 +194,9 @@ def _has_errors(model: Model) -> bool:
     )
 
 
-def _shares(model: Model, layout: RunLayout) -> Doubles:
+def _shares(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
     """Return the expected density of each bin, the exact probability over the width."""
-    return np.diff(np.asarray(distribution(model).cdf(layout.edges))) / np.diff(layout.edges)
+    return np.diff(np.asarray(distribution(model).cdf(layout.edges))) / np.diff(layout.edges), np.empty(0)
 
 
 def _spectrum(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:

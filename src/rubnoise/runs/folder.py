@@ -18,7 +18,6 @@ from typing import Any, Final, Self, cast
 
 import numpy as np
 
-from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.record.reader import Reader
@@ -80,15 +79,7 @@ def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda _distan
     model = scenario.model()
     sink = SummarySink(model)
     simulate(model, scenario.run.seed, sink, engine=cast(Engine, scenario.run.engine), watch=watch)
-    summary = sink.finish()
-    theory = {
-        f"{name}_{part}": getattr(about, part)
-        for name, about in (curve_theory(model).items() if first else ())
-        for part in ("place", "expected", "standard_error")
-        # The histogram's errors are those of each run.
-        if (name, part) != ("histogram", "standard_error")
-    }
-    return {**attributes_of(summary.figures), **summary.curves, **theory}
+    return {**sink.finish(), **(curve_theory(model) if first else {})}
 
 
 def _save(path: Path, scenario: Scenario, summary: Figures) -> None:
