@@ -14,7 +14,7 @@ from rubnoise.analysis.life import Life, life_of
 from rubnoise.contact.pulses import LENS
 from rubnoise.errors import RunFileRefused
 from rubnoise.figures import style
-from rubnoise.figures.contact import life_png
+from rubnoise.figures.contact import draw_life
 from rubnoise.storage.reader import RunFile, open_run
 from tests.architecture.sources import ROOT
 from tests.unit.tampering import BIRTH, DEPARTURE, DIAMETER, STRENGTH, bare_file, lives_file
@@ -134,7 +134,7 @@ def _of_colour(pixels: np.ndarray, colour: str) -> np.ndarray:
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [0, 2, 3, 4, 7])
 def test_every_life_can_be_drawn_with_nothing_cut_off(lives: list[Life], number: int) -> None:
-    pixels = _pixels(life_png(lives[number], "x.h5"))
+    pixels = _pixels(style.drawn(draw_life, lives[number], "x.h5"))
     assert pixels.shape == (840, 990, 3)
     border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
     assert np.all(border == 1.0)

@@ -1,6 +1,7 @@
 """The life of one junction in a file: the values of its row, its curve, and the contact at its peak."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from math import ceil, isnan, sqrt
 from typing import Any, Final
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from rubnoise.analysis.selection import Neighbours, check_numbers, neighbours
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import Pulse, area_of
+from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState
@@ -24,10 +25,14 @@ STEPS: Final = 100
 class Life:
     """One junction and those that it shared the contact with; um, um^2, s, MPa, uN.
 
-    Its peak is the place of its largest area during its life and the record: at mid-life, unless its life was ended
-    before, or mid-life lies outside of the record, 0 to ``record_end``, where the other live junctions are unknown.
-    ``others`` are the rows that overlap its life anywhere; times are None without a sliding speed and if the slider
-    never passed, forces are None without a strength. ``slides_evenly``: whether distance is a multiple of time.
+    mid_life_distance is that of the largest area, birth + d (paper Eq. 5), off the centre line birth + sqrt(d^2 - b^2);
+    None if the life was ended before. Its peak is the place of its largest area during its life and the record: at
+    mid-life, unless its life was ended before, or mid-life lies outside of the record, 0 to ``record_end``, where the
+    other live junctions are unknown. real_contact_area and friction_force are sums over all rows alive there, of which
+    the shares are its own, and not those of the nearest tick; ``beside`` are the others there, or just before it if
+    this life was ended there. ``others`` are the rows that overlap its life anywhere; times are None without a sliding
+    speed and if the slider never passed, forces are None without a strength. ``slides_evenly``: whether distance is a
+    multiple of time.
     """
 
     number: int
@@ -45,76 +50,17 @@ class Life:
     record_end: float
     others: Neighbours
     lateral_offset: float | None = None
-
-    @property
-    def half_life(self) -> float:
-        """Sliding distance in um from birth to mid-life: d, or sqrt(d^2 - b^2) at a lateral offset b."""
-        d, b = self.diameter, self.lateral_offset or 0.0
-        return d if not b else sqrt((d - b) * (d + b))
-
-    @property
-    def pulse(self) -> Pulse:
-        """The shape of its life, and of the others'."""
-        return self.others.pulse
-
-    @property
-    def mid_life_distance(self) -> float | None:
-        """Sliding distance of the largest area, birth + d (paper Eq. 5), or None if the life was ended before.
-
-        Off the centre line it is birth + sqrt(d^2 - b^2).
-        """
-        middle = self.birth_distance + self.half_life
-        return middle if self.life_distance >= self.half_life else None
-
-    @property
-    def peak_age(self) -> float:
-        """Sliding distance in um from birth to the largest area within life and record: half of a whole life."""
-        reached = min(self.half_life, self.life_distance)
-        return min(max(reached, -self.birth_distance), self.record_end - self.birth_distance)
-
-    @property
-    def peak_distance(self) -> float:
-        """Sliding distance in um of that area."""
-        return self.death_distance if self._peaks_at_death else self.birth_distance + self.peak_age
-
-    @property
-    def peak_area(self) -> float:
-        """That area in um^2; for a life ended before mid-life, the area that it reached."""
-        return float(self.area_at_age(self.peak_age))
-
-    @property
-    def peak_force(self) -> float | None:
-        """Friction force at the peak distance in uN: strength times peak area."""
-        return None if self.shear_strength is None else self.shear_strength * self.peak_area
-
-    @property
-    def beside(self) -> Neighbours:
-        """The others alive at the peak distance, or just before it if this life was ended there."""
-        return self.others.alive(self.peak_distance, just_before=self._peaks_at_death)
-
-    @property
-    def real_contact_area(self) -> float:
-        """Real contact area at the peak distance in um^2: the sum over all rows alive there, not the nearest tick's."""
-        return self.peak_area + float(self.beside.area(self.peak_distance).sum())
-
-    @property
-    def friction_force(self) -> float | None:
-        """Friction force at the peak distance in uN, the sum of strength times area over the same rows."""
-        beside = self.beside
-        if self.peak_force is None or beside.strength is None:
-            return None
-        return self.peak_force + float((beside.strength * beside.area(self.peak_distance)).sum())
-
-    @property
-    def area_share(self) -> float:
-        """Share of this junction in the real contact area at its peak."""
-        return _share(self.peak_area, self.real_contact_area)
-
-    @property
-    def force_share(self) -> float | None:
-        """Share of this junction in the friction force at its peak."""
-        own, whole = self.peak_force, self.friction_force
-        return None if own is None or whole is None else _share(own, whole)
+    half_life: float
+    mid_life_distance: float | None
+    peak_age: float
+    peak_distance: float
+    peak_area: float
+    peak_force: float | None
+    beside: Neighbours
+    real_contact_area: float
+    friction_force: float | None
+    area_share: float
+    force_share: float | None
 
     def time(self, distance: ArrayLike) -> Doubles | None:
         """Return the time in s at sliding distances in um if the speed is constant; otherwise None."""
@@ -127,23 +73,26 @@ class Life:
 
     def area_at_age(self, age: ArrayLike) -> Doubles:
         """Return the area in um^2 at sliding distances after birth, 0 to the life distance."""
-        return area_of(self.pulse, age, self.diameter, self.lateral_offset)
+        return area_of(self.others.pulse, age, self.diameter, self.lateral_offset)
 
     def curve(self) -> dict[str, Doubles]:
-        """Return distance, time, area and force (those that the run has) from birth to death, mid-life included."""
-        age = _ages(self.half_life, self.life_distance)
-        distance = self.birth_distance + age
+        """Return distance, time, area and force (those that the run has) from birth to death, mid-life included.
+
+        There are a hundred steps up to mid-life, and steps as long from there to death.
+        """
+        top = min(self.half_life, self.life_distance)
+        age = np.linspace(0.0, top, STEPS + 1)
+        if self.life_distance > top:
+            steps = max(1, ceil(STEPS * (self.life_distance - top) / self.half_life - 1e-9))
+            age = np.concatenate([age, np.linspace(top, self.life_distance, steps + 1)[1:]])
+        distance, area = self.birth_distance + age, self.area_at_age(age)
         columns = {
             "distance": distance,
             "time": self.time(distance),
-            "area": self.area_at_age(age),
-            "force": None if self.shear_strength is None else self.shear_strength * self.area_at_age(age),
+            "area": area,
+            "force": None if self.shear_strength is None else self.shear_strength * area,
         }
         return {name: values for name, values in columns.items() if values is not None}
-
-    @property
-    def _peaks_at_death(self) -> bool:
-        return self.peak_age == self.life_distance
 
 
 def life_of(file: Reader, number: int) -> Life:
@@ -165,17 +114,43 @@ def life_of(file: Reader, number: int) -> Life:
     # A two-way slider may never have come by: that time is no number.
     checked = row if even else {name: value for name, value in row.items() if name not in {"birth_time", "death_time"}}
     check_numbers("junctions", [number], {name: np.array([value]) for name, value in checked.items()})
-    known = {each.name: row.get(each.name) for each in fields(Life) if each.name in row}
-    times = {name: _known(row.get(name)) for name in ("birth_time", "death_time")}
     others = neighbours(file, number, row["birth_distance"], row["death_distance"])
-    return Life(
-        **{"shear_strength": None} | known | times | {"state": JunctionState(row["state"])},
-        number=number,
-        rows=rows,
-        slides_evenly=even,
-        record_end=record_end(file),
-        others=others,
-    )
+    end = record_end(file)
+    found: dict[str, Any] = {each.name: row.get(each.name) for each in fields(Life) if each.name in row}
+    found |= {name: _known(row.get(name)) for name in ("birth_time", "death_time")}
+    found |= {"state": JunctionState(row["state"]), "shear_strength": row.get("shear_strength")}
+    found |= _at_its_peak(row, others, end)
+    return Life(**found, number=number, rows=rows, slides_evenly=even, record_end=end, others=others)
+
+
+def _at_its_peak(row: Mapping[str, Any], others: Neighbours, end: float) -> dict[str, Any]:
+    """Return middle and peak of a life, and the contact at its peak, by the names that a Life has for them."""
+    d, birth, life = (row[name] for name in ("diameter", "birth_distance", "life_distance"))
+    b = row.get("lateral_offset")
+    half = sqrt((d - b) * (d + b)) if b else d
+    age = min(max(min(half, life), -birth), end - birth)
+    at_death = age == life
+    distance = row["death_distance"] if at_death else birth + age
+    beside = others.alive(distance, just_before=at_death)
+    own, areas = float(area_of(others.pulse, age, d, b)), beside.area(distance)
+    total, strength = own + float(areas.sum()), row.get("shear_strength")
+    force = whole = None
+    if strength is not None and beside.strength is not None:
+        force = strength * own
+        whole = force + float((beside.strength * areas).sum())
+    return {
+        "half_life": half,
+        "mid_life_distance": birth + half if life >= half else None,
+        "peak_age": age,
+        "peak_distance": distance,
+        "peak_area": own,
+        "peak_force": force,
+        "beside": beside,
+        "real_contact_area": total,
+        "friction_force": whole,
+        "area_share": _share(own, total),
+        "force_share": None if force is None or whole is None else _share(force, whole),
+    }
 
 
 def record_end(file: Reader) -> float:
@@ -198,13 +173,3 @@ def _known(time: float | None) -> float | None:
 def _share(part: float, whole: float) -> float:
     # Born where the record ends: no area yet, and perhaps no other junction has one.
     return part / whole if whole else 0.0
-
-
-def _ages(half_life: float, life: float) -> Doubles:
-    """Return distances since birth: a hundred steps up to mid-life, and steps as long from there to death."""
-    top = min(half_life, life)
-    rising = np.linspace(0.0, top, STEPS + 1)
-    if life <= top:
-        return rising
-    steps = max(1, ceil(STEPS * (life - top) / half_life - 1e-9))
-    return np.concatenate([rising, np.linspace(top, life, steps + 1)[1:]])
