@@ -14,7 +14,7 @@ from rubnoise.errors import Refused
 from rubnoise.figures import contact
 from rubnoise.figures.catalogue import drawing
 from rubnoise.figures.contact import LEAD, MOST_AT_ONCE, Stage, stage_of
-from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.tracks import Stretch
 from rubnoise.storage.reader import open_run
 
 SCENARIO: dict[str, Any] = {

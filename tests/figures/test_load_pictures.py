@@ -11,7 +11,7 @@ import rubnoise
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.errors import Refused
 from rubnoise.figures.catalogue import PICTURES, drawing
-from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.tracks import Stretch
 from rubnoise.record.rows import ContactKind
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.coupling import load_motion

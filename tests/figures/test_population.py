@@ -7,7 +7,7 @@ import pytest
 
 import rubnoise
 from rubnoise.figures.area_pictures import born
-from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.tracks import Stretch
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.moments import share_of
 

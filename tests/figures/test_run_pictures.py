@@ -14,7 +14,7 @@ import rubnoise
 from rubnoise.figures import style
 from rubnoise.figures.area_pictures import covariance_band
 from rubnoise.figures.catalogue import PICTURES, drawing
-from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.tracks import Stretch
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import autocovariance, spectral_density

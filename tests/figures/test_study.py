@@ -11,10 +11,9 @@ import pytest
 
 import rubnoise
 from rubnoise.analysis.replicates import pooled
-from rubnoise.figures.stretch import MOST_POINTS, Stretch
 from rubnoise.figures.study import Spot, Study, StudyLine, draw_study, exact_of, study_of_points
 from rubnoise.figures.style import drawn
-from rubnoise.figures.tracks import Track
+from rubnoise.figures.tracks import MOST_POINTS, Stretch, Track
 from rubnoise.scenario import Scenario, build
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.theory.moments import area_cumulants

@@ -10,7 +10,7 @@ from scipy.signal import welch
 
 import rubnoise
 from rubnoise.figures.catalogue import drawing
-from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.tracks import Stretch
 from rubnoise.record.rows import Phase
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.motion import response

@@ -13,7 +13,7 @@ import rubnoise
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.analysis.where import ConditionRefused, condition
 from rubnoise.errors import Refused
-from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.tracks import Stretch
 from rubnoise.pages import run_view
 from rubnoise.pages.run_view import RunView
 from rubnoise.storage.reader import open_run

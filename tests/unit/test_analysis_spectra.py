@@ -19,7 +19,7 @@ from rubnoise.analysis.sound import (
     output_count,
     resampled,
 )
-from rubnoise.analysis.spectra import Band, WelchSum, band_powers, hann, welch
+from rubnoise.analysis.spectra import Band, band_powers, hann, welch
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.storage.wave_file import STEPS, write_wave
@@ -37,7 +37,7 @@ VALUES = memory(65_536, seed_of("spectra"))
 def test_it_is_what_scipy_finds(ticks: int) -> None:
     from scipy.signal import welch as of_scipy
 
-    found = welch(VALUES, 0.05, ticks)
+    found = welch([VALUES], ticks, 0.05)
     options = {"nperseg": ticks, "noverlap": ticks - ticks // 2, "return_onesided": False}
     frequency, density = of_scipy(VALUES, fs=20.0, **options)
     half = ticks // 2 + 1
@@ -46,11 +46,11 @@ def test_it_is_what_scipy_finds(ticks: int) -> None:
 
 
 def test_it_is_flat_for_white_noise_and_falls_for_one_with_memory() -> None:
-    flat = welch(white(65_536, seed_of("spectra/white")), 0.05)
+    flat = welch([white(65_536, seed_of("spectra/white"))], 2016, 0.05)
     score = (flat.density - 0.05) / flat.standard_error
     assert np.abs(score[2:-2]).max() <= 5.5
     assert np.abs(score[2:-2]).mean() == pytest.approx((2.0 / pi) ** 0.5, rel=0.15)
-    falling = welch(VALUES, 0.05)
+    falling = welch([VALUES], 2016, 0.05)
     assert falling.density[-5:].mean() < 0.01 * falling.density[2:7].mean()
 
 
@@ -69,9 +69,8 @@ def bands(run: Model, name: str, runs: int = RUNS) -> list[list[Band]]:
 
 
 def _of(run: Model, seed: int, expected: np.ndarray, count: int) -> list[Band]:
-    total = WelchSum(TICKS, run.tick)
-    total.add(recorded(run, seed)["trace"]["real_contact_area"])
-    return band_powers(run, total.spectrum(), expected, run.distance, count)
+    seen = welch([recorded(run, seed)["trace"]["real_contact_area"]], TICKS, run.tick)
+    return band_powers(run, seen, expected, run.distance, count)
 
 
 @pytest.mark.slow

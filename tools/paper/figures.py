@@ -9,8 +9,8 @@ from typing import Final
 from paper.ledger import Tell
 from rubnoise.api.running import simulate
 from rubnoise.errors import Refused
-from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style
+from rubnoise.figures.tracks import Stretch
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.shipped import shipped

@@ -54,7 +54,7 @@ class Run:
     def spectrum(self, column: str, ticks: int) -> tuple[Doubles, Doubles]:
         """Return wavenumbers and Welch's estimate of S of a column, in segments of so many ticks."""
         if (column, ticks) not in self.spectra:
-            found = welch(self[column], self.model.tick, ticks)
+            found = welch([self[column]], ticks, self.model.tick)
             self.spectra[column, ticks] = found.wavenumber, found.density
         return self.spectra[column, ticks]
 

@@ -75,7 +75,7 @@ SIMULATED: Final[dict[str, Any]] = {"lw": 2.6, "solid_joinstyle": "round"}
 
 def spectrum_of(model: Model, record: Any) -> Spectrum:
     """Return Welch's estimate of the two-sided S(k) of A_r in a run, in um^4 per rad/um."""
-    return welch(record["trace"]["real_contact_area"], model.tick, 2 * round(0.5 * SEGMENT / model.tick))
+    return welch([record["trace"]["real_contact_area"]], 2 * round(0.5 * SEGMENT / model.tick), model.tick)
 
 
 def merged_bins(spectrum: Spectrum) -> tuple[Doubles, Doubles]:

@@ -20,7 +20,7 @@ from parts import fill, table
 import rubnoise
 from rubnoise.analysis.landmarks import Sticks
 from rubnoise.analysis.replicates import PooledEstimate
-from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.tracks import Stretch
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.theory.coupling import coupling
 from rubnoise.theory.motion import response

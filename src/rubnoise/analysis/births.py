@@ -148,8 +148,7 @@ def marks(seen: MeasuredRun) -> Iterator[Row]:
     """Yield mean, spread and law of the diameters and strengths that junctions are born with."""
     model, found = seen.model, seen.births
     if not found.count:
-        yield findings.too_short("diameter", findings.FEWEST * model.mean_birth_spacing)
-        return
+        findings.need(0.0, findings.FEWEST * model.mean_birth_spacing)
     low, high = size_range(model.sizes)
     if low == high:
         yield _alike(seen, "diameter", model.sizes.moment(1), "um")
@@ -197,12 +196,13 @@ def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float
 
 def sums(seen: MeasuredRun) -> Iterator[Row]:
     """Yield how far area, count and force of the trace are from the sums over lives; only rounding is allowed."""
-    model, (area, count, force) = seen.model, seen.differences()
-    reach, largest = model.distance + 2.0 * seen.largest, seen.largest
+    model, largest, found = seen.model, seen.largest, seen.sampled
+    area, count, force = np.abs(found - seen.sums[:, : found.shape[1]]).max(axis=1, initial=0.0).tolist()
+    reach, most_alive = model.distance + 2.0 * largest, max(1.0, float(seen.sums[1].max(initial=0.0)))
     # Distances are known to a rounding of the farthest; so are ages, and areas by their slope of at most pi d/2.
-    rounding = seen.most_alive() * largest * (AREA_ROUNDING * largest + 4.0 * ROUNDING * reach)
-    yield findings.identity("area_from_rows", float(area), rounding, "um^2")
-    yield findings.identity("count_from_rows", float(count), 0.0, "")
+    rounding = most_alive * largest * (AREA_ROUNDING * largest + 4.0 * ROUNDING * reach)
+    yield findings.identity("area_from_rows", area, rounding, "um^2")
+    yield findings.identity("count_from_rows", count, 0.0, "")
     if model.strengths is not None and model.held is None and not isinstance(model.strengths, Fixed):
         strongest = float(model.strengths.quantile(np.array([1.0 - _RARE]))[0])
-        yield findings.identity("force_from_rows", float(force), strongest * rounding, "uN")
+        yield findings.identity("force_from_rows", force, strongest * rounding, "uN")

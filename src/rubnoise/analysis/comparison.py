@@ -26,7 +26,7 @@ from rubnoise.record.reader import Rows
 from rubnoise.record.tally import Moments
 from rubnoise.theory.coupling import load_motion
 from rubnoise.theory.moments import area_cumulants, distribution, force_cumulants, zero_share
-from rubnoise.theory.motion import contact_drive_of, drive_of
+from rubnoise.theory.motion import DrivenOscillator, contact_drive_of, drive_of
 from rubnoise.theory.sampling import expected_periodogram, mean_force_error
 from rubnoise.theory.second_order import area_noise, autocovariance, need_random_births
 
@@ -88,8 +88,7 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
     found, layout = seen.spectrum.spectrum(), seen.layout
     if found.segments < FEWEST_SEGMENTS:
         ticks = found.ticks + (FEWEST_SEGMENTS - 1) * half_of(found.ticks)
-        yield findings.too_short("spectrum", (layout.first["trace"] + layout.stride * ticks) * model.tick)
-        return
+        findings.need(0.0, (layout.first["trace"] + layout.stride * ticks) * model.tick)
     _, expected = expected_periodogram(model, layout.stride * model.tick, hann(found.ticks))
     # A life's energy |A^(k)|^2 goes with d^6 while a wave is longer than it, and with d^2 beyond.
     tails = {power: findings.tail_of(model, length, power) for power in (2, 6)}
@@ -187,10 +186,8 @@ def mean_force(seen: MeasuredRun) -> Iterator[Row]:
     if not (model.is_two_way and seen.last) or model.start != "stationary":
         return
     need_random_births(model, "the standard error of a mean force")
-    found, needed = Balance.of(model, seen.last), needed_for_mean(model)
-    if model.distance < needed:
-        yield findings.too_short("mean_force", needed)
-        return
+    findings.need(model.distance, needed_for_mean(model))
+    found = Balance.of(model, seen.last)
     share = found.distance / (found.speed * found.time)
     expected = force_cumulants(model).mean * share + found.expected_excess()
     error, tail = mean_force_error(model, model.distance) * share, findings.tail_of(model, model.distance, 3, 1)
@@ -213,14 +210,16 @@ def motion(seen: MeasuredRun) -> Iterator[Row]:
         yield findings.identity("base_displacement", off, ROUNDING * highest, "um")
     motion_of(model)
     if model.slider.damping == 0.0:
-        yield left_out("displacement", "a slider without damping never forgets its start")
-        return
-    decays = FEWEST_DECAYS * slowest_decay(model.slider) * drive_of(model).speed
-    needed = seen.layout.first["slider"] * model.tick + max(decays, needed_for_mean(model))
-    if model.distance < needed:
-        yield findings.too_short("displacement", needed)
-    else:
-        yield from moments(seen, PLACE, SPEED)
+        raise Refused("a slider without damping never forgets its start")
+    _need_decays(seen, "slider", drive_of(model))
+    yield from moments(seen, PLACE, SPEED)
+
+
+def _need_decays(seen: MeasuredRun, group: str, drive: DrivenOscillator) -> None:
+    """Raise Refused if a record is too short for the moments of a motion, after its start is forgotten."""
+    decays = FEWEST_DECAYS * slowest_decay(drive.slider) * drive.speed
+    needed = max(decays, needed_for_mean(seen.model))
+    findings.need(seen.model.distance, seen.layout.first[group] * seen.model.tick + needed)
 
 
 def load(seen: MeasuredRun) -> Iterator[Row]:
@@ -228,15 +227,10 @@ def load(seen: MeasuredRun) -> Iterator[Row]:
     model = seen.model
     if model.separation is None:
         return
-    held, drive, far = model.separation, contact_drive_of(model), _FAR * load_motion(model).separation_std
-    largest = held.load * (1.0 + far / held.height_scale)
-    yield from _borne(seen, 4.0 * ROUNDING * largest)
-    decays = FEWEST_DECAYS * slowest_decay(drive.slider) * drive.speed
-    needed = seen.layout.first["load"] * model.tick + max(decays, needed_for_mean(model))
-    if model.distance < needed:
-        yield findings.too_short("load", needed)
-    else:
-        yield from moments(seen, GAP, RISE, BORNE, RUBBED)
+    held, far = model.separation, _FAR * load_motion(model).separation_std
+    yield from _borne(seen, 4.0 * ROUNDING * held.load * (1.0 + far / held.height_scale))
+    _need_decays(seen, "load", contact_drive_of(model))
+    yield from moments(seen, GAP, RISE, BORNE, RUBBED)
 
 
 def _borne(seen: MeasuredRun, allowed: float) -> Iterator[Row]:

@@ -23,25 +23,10 @@ from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import RENAMED, Tally
+from rubnoise.theory import sampling, second_order
 from rubnoise.theory.coupling import coupling, free_motion, load_motion, weak_motion, weak_motion_errors
-from rubnoise.theory.moments import area_cumulants, count_variance, force_cumulants
+from rubnoise.theory.moments import Cumulants, area_cumulants, count_variance, force_cumulants
 from rubnoise.theory.motion import Response, contact_drive_of, response, strengths_of
-from rubnoise.theory.sampling import (
-    expected_mean_displacement,
-    load_errors,
-    mean_displacement_error,
-    mean_force_error,
-    motion_errors,
-    standard_errors,
-)
-from rubnoise.theory.second_order import (
-    are_at_random,
-    area_noise,
-    autocovariance,
-    count_noise,
-    joint_cumulant,
-    lag_rule,
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,24 +49,30 @@ def _area_errors(span: Span) -> dict[str, float]:
     of the dispersion if births come in bunches, as fourth cumulants of a bunch grow.
     """
     record = span.model
-    if are_at_random(record):
-        return standard_errors(record)
+    if second_order.are_at_random(record):
+        return sampling.standard_errors(record)
     if isinstance(record.births, RegularBirths):
-        return {"mean": area_noise(record).error_of_mean()}
-    lags, weights = lag_rule(record)
-    fourth = max(record.births.dispersion, 1.0) ** 3 * joint_cumulant(record, lags, 2, 2)
-    square = float(weights @ (fourth + 2.0 * np.square(autocovariance(record, lags))))
-    return {"mean": area_noise(record).error_of_mean(), "std": sqrt(square) / (2.0 * area_cumulants(record).std)}
+        return {"mean": second_order.area_noise(record).error_of_mean()}
+    lags, weights = second_order.lag_rule(record)
+    fourth = max(record.births.dispersion, 1.0) ** 3 * second_order.joint_cumulant(record, lags, 2, 2)
+    square = float(weights @ (fourth + 2.0 * np.square(second_order.autocovariance(record, lags))))
+    return {
+        "mean": second_order.area_noise(record).error_of_mean(),
+        "std": sqrt(square) / (2.0 * area_cumulants(record).std),
+    }
 
 
 def _count_errors(span: Span) -> dict[str, float]:
     """Return the errors of mean and, for Poisson births, variance: Cov[(N - mean)^2, (N_tau - mean)^2] = C + 2 C^2."""
     record = span.model
-    if not are_at_random(record):
-        return {"mean": count_noise(record).error_of_mean()}
-    lags, weights = lag_rule(record)
-    shared = count_noise(record).covariance(lags)
-    return {"mean": count_noise(record).error_of_mean(), "variance": sqrt(float(weights @ (shared + 2.0 * shared**2)))}
+    if not second_order.are_at_random(record):
+        return {"mean": second_order.count_noise(record).error_of_mean()}
+    lags, weights = second_order.lag_rule(record)
+    shared = second_order.count_noise(record).covariance(lags)
+    return {
+        "mean": second_order.count_noise(record).error_of_mean(),
+        "variance": sqrt(float(weights @ (shared + 2.0 * shared**2))),
+    }
 
 
 def _force_errors(span: Span) -> dict[str, float]:
@@ -90,23 +81,23 @@ def _force_errors(span: Span) -> dict[str, float]:
     if record.separation is not None:
         found = _errors(_load_errors, span)
         return {"mean": found["force_mean"], "std": found["force_std"]}
-    if not are_at_random(record):
-        return {"mean": mean_force_error(record)}
-    (lags, weights), psi = lag_rule(record), strengths_of(record)
-    single = psi.moment(4) * joint_cumulant(record, lags, 2, 2)
-    square = float(weights @ (single + 2.0 * (psi.moment(2) * autocovariance(record, lags)) ** 2))
-    return {"mean": mean_force_error(record), "std": sqrt(square) / (2.0 * force_cumulants(record).std)}
+    if not second_order.are_at_random(record):
+        return {"mean": sampling.mean_force_error(record)}
+    (lags, weights), psi = second_order.lag_rule(record), strengths_of(record)
+    single = psi.moment(4) * second_order.joint_cumulant(record, lags, 2, 2)
+    square = float(weights @ (single + 2.0 * (psi.moment(2) * second_order.autocovariance(record, lags)) ** 2))
+    return {"mean": sampling.mean_force_error(record), "std": sqrt(square) / (2.0 * force_cumulants(record).std)}
 
 
 def _motion_errors(span: Span) -> dict[str, float]:
     record = span.model
-    if not are_at_random(record) and not record.is_two_way:
-        return {"mean_displacement": mean_displacement_error(record, span.length)}
-    return (weak_motion_errors if record.is_two_way else motion_errors)(record, span.length)
+    if not second_order.are_at_random(record) and not record.is_two_way:
+        return {"mean_displacement": sampling.mean_displacement_error(record, span.length)}
+    return (weak_motion_errors if record.is_two_way else sampling.motion_errors)(record, span.length)
 
 
 def _load_errors(span: Span) -> dict[str, float]:
-    return load_errors(span.model, span.length, from_start=span.holds_start)
+    return sampling.load_errors(span.model, span.length, from_start=span.holds_start)
 
 
 def motion_of(model: Model) -> Response:
@@ -117,29 +108,44 @@ def motion_of(model: Model) -> Response:
 def _moved_so_far(model: Model) -> float:
     """Return the mean displacement over a whole run, which begins where the slider starts."""
     excess = motion_of(model).mean_displacement - response(model).mean_displacement
-    return expected_mean_displacement(model, model.distance) + excess
+    return sampling.expected_mean_displacement(model, model.distance) + excess
 
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A moment of a column: its exact value, its error among those of its column, and d^p psi^q that a junction brings.
+    """A moment of a column: the law that knows it, what it is ``of`` that law, and d^p psi^q that a junction brings.
 
-    ``scale``: what the error is measured by, if it is not the exact value. ``over``: what a summary divides moment,
-    exact value and error by. ``whole``: the exact value over a whole run, if the start matters to it. A figure without
-    ``powers`` is in no comparison; ``kept``: whether it is in a summary.
+    ``of`` is the law's attribute and the name of the error; without it the law is the exact value itself. A law is None
+    if the model has no such column. ``scale``: what the error is measured by, if it is not the exact value. ``over``:
+    what a summary divides moment, exact value and error by. ``whole``: the exact value over a whole run, if the start
+    matters to it. A figure without ``powers`` is in no comparison; ``kept``: whether it is in a summary.
     """
 
     name: str
     column: tuple[str, str]
-    moment: str
-    exact: Callable[[Model], float]
+    law: Callable[[Model], Any]
+    of: str
     errors: Errors
-    error: str = ""
     powers: tuple[int, int] | None = None
     scale: float | None = None
     over: Callable[[Model], float] | None = None
     whole: Callable[[Model], float] | None = None
     kept: bool = True
+
+    @property
+    def error(self) -> str:
+        """Its name among the errors of its column."""
+        return self.of or self.name
+
+    @property
+    def moment(self) -> str:
+        """The moment of the column."""
+        return next(each for each in _MOMENTS if each in self.error)
+
+    def exact(self, model: Model) -> float:
+        """Return the exact value; nan if the model has no such column."""
+        known = self.law(model)
+        return nan if known is None else float(getattr(known, self.of) if self.of else known)
 
     def divisor(self, model: Model) -> float:
         """Return what a summary divides moment, exact value and error by."""
@@ -153,27 +159,18 @@ class Figure:
 
 
 _IN_MODEL: Final = {"strength": "strengths", "load": "held"}
+_MOMENTS: Final = ("mean", "std", "skewness", "excess_kurtosis", "variance")
 
 AREA, COUNT, FORCE = ("trace", "real_contact_area"), ("trace", "junction_count"), ("trace", "friction_force")
 PLACE, SPEED = ("slider", "displacement"), ("slider", "velocity")
 GAP, RISE, BORNE, RUBBED = (("load", name) for name in ("separation", "velocity", "load", "friction_force"))
 
 
-Known = Callable[[Model], Any]
-"""Returns what theory knows of a column; None if the model has no such column."""
+def _count(model: Model) -> Cumulants:
+    return Cumulants(values=(model.mean_live_junctions, count_variance(model)))
 
 
-def _figure(name: str, column: tuple[str, str], law: tuple[Known, str], errors: Errors, **more: Any) -> Figure:
-    """Return the figure of which an attribute of a law is the exact value; its moment and error are of that name."""
-
-    def exact(model: Model) -> float:
-        known = law[0](model)
-        return nan if known is None else float(getattr(known, law[1]))
-
-    return Figure(name=name, column=column, exact=exact, errors=errors, **{"moment": law[1], "error": law[1]} | more)
-
-
-def _force(model: Model) -> Any:
+def _force(model: Model) -> Cumulants | None:
     return None if model.strengths is None else force_cumulants(model)
 
 
@@ -181,48 +178,35 @@ def _load(model: Model) -> float:
     return nan if model.load is None else model.load
 
 
-FIGURES: Final[tuple[Figure, ...]] = (
+def _speed(model: Model) -> float:
+    return response(model).sliding_speed
+
+
+FIGURES: Final = (
     # A junction brings d^(2n + 1) to the n-th power of the area.
-    *(
-        _figure(f"real_contact_area_{of}", AREA, (area_cumulants, of), _area_errors, powers=(power, 0), scale=scale)
-        for of, power, scale in (("mean", 3, None), ("std", 5, None), ("skewness", 7, 1.0), ("excess_kurtosis", 9, 1.0))
-    ),
-    Figure(
-        "junction_count_mean", COUNT, "mean", lambda model: model.mean_live_junctions, _count_errors, "mean", (1, 0)
-    ),
-    Figure("junction_count_std", COUNT, "std", lambda model: sqrt(count_variance(model)), _count_errors),
-    Figure("junction_count_variance", COUNT, "variance", count_variance, _count_errors, "variance", (1, 0), kept=False),
-    _figure("friction_force_mean", FORCE, (_force, "mean"), _force_errors, powers=(3, 1)),
-    _figure("friction_force_std", FORCE, (_force, "std"), _force_errors, powers=(5, 2)),
-    _figure("friction_coefficient", FORCE, (_force, "mean"), _force_errors, over=_load),
+    Figure("real_contact_area_mean", AREA, area_cumulants, "mean", _area_errors, (3, 0)),
+    Figure("real_contact_area_std", AREA, area_cumulants, "std", _area_errors, (5, 0)),
+    Figure("real_contact_area_skewness", AREA, area_cumulants, "skewness", _area_errors, (7, 0), 1.0),
+    Figure("real_contact_area_excess_kurtosis", AREA, area_cumulants, "excess_kurtosis", _area_errors, (9, 0), 1.0),
+    Figure("junction_count_mean", COUNT, _count, "mean", _count_errors, (1, 0)),
+    Figure("junction_count_std", COUNT, _count, "std", _count_errors),
+    Figure("junction_count_variance", COUNT, _count, "variance", _count_errors, (1, 0), kept=False),
+    Figure("friction_force_mean", FORCE, _force, "mean", _force_errors, (3, 1)),
+    Figure("friction_force_std", FORCE, _force, "std", _force_errors, (5, 2)),
+    Figure("friction_coefficient", FORCE, _force, "mean", _force_errors, over=_load),
     # A junction pushes with psi d^3, and leaves the energy of as much motion.
-    _figure(
-        "displacement_mean",
-        PLACE,
-        (motion_of, "mean_displacement"),
-        _motion_errors,
-        moment="mean",
-        powers=(3, 1),
-        whole=_moved_so_far,
-    ),
-    _figure("displacement_std", PLACE, (motion_of, "displacement_std"), _motion_errors, moment="std", powers=(6, 2)),
-    _figure("velocity_std", SPEED, (motion_of, "velocity_std"), _motion_errors, moment="std", powers=(6, 2)),
+    Figure("displacement_mean", PLACE, motion_of, "mean_displacement", _motion_errors, (3, 1), whole=_moved_so_far),
+    Figure("displacement_std", PLACE, motion_of, "displacement_std", _motion_errors, (6, 2)),
+    Figure("velocity_std", SPEED, motion_of, "velocity_std", _motion_errors, (6, 2)),
     # One-way coupling takes the sliding speed for constant, so this should be far below 1.
-    _figure(
-        "one_way_validity",
-        SPEED,
-        (motion_of, "velocity_std"),
-        _motion_errors,
-        moment="std",
-        over=lambda model: response(model).sliding_speed,
-    ),
-    Figure("separation_mean", GAP, "mean", lambda _: 0.0, _load_errors, "separation_mean", (3, 0), kept=False),
-    Figure("load_mean", BORNE, "mean", _load, _load_errors, "load_mean", (3, 0)),
-    _figure("friction_force_mean", RUBBED, (_force, "mean"), _force_errors, powers=(3, 0), kept=False),
-    _figure("separation_std", GAP, (load_motion, "separation_std"), _load_errors, moment="std", powers=(6, 0)),
-    _figure("normal_velocity_std", RISE, (load_motion, "velocity_std"), _load_errors, moment="std", powers=(6, 0)),
-    _figure("load_std", BORNE, (load_motion, "load_std"), _load_errors, moment="std", powers=(6, 0)),
-    _figure("friction_force_std", RUBBED, (_force, "std"), _force_errors, powers=(6, 0), kept=False),
+    Figure("one_way_validity", SPEED, motion_of, "velocity_std", _motion_errors, over=_speed),
+    Figure("separation_mean", GAP, lambda _: 0.0, "", _load_errors, (3, 0), kept=False),
+    Figure("load_mean", BORNE, _load, "", _load_errors, (3, 0)),
+    Figure("friction_force_mean", RUBBED, _force, "mean", _force_errors, (3, 0), kept=False),
+    Figure("separation_std", GAP, load_motion, "separation_std", _load_errors, (6, 0)),
+    Figure("normal_velocity_std", RISE, load_motion, "velocity_std", _load_errors, (6, 0)),
+    Figure("load_std", BORNE, load_motion, "load_std", _load_errors, (6, 0)),
+    Figure("friction_force_std", RUBBED, _force, "std", _force_errors, (6, 0), kept=False),
 )
 """The moments of columns that a run has. Those of a two-way slider's whole time are in `_two_way_motion`."""
 
@@ -298,7 +282,7 @@ def _error_over_all(model: Model, figure: Figure) -> float | None:
         moving = contact_drive_of(model).slider
     elif figure.moment != "mean":
         short = model.distance < FEWEST_LIVES * model.mean_life_distance
-        if short or not are_at_random(model):
+        if short or not second_order.are_at_random(model):
             return None
     if moving is not None:
         decays = decays_of(model, moving)

@@ -15,6 +15,7 @@ from rubnoise.analysis.records import longer
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles
 from rubnoise.contact.distributions import Law
+from rubnoise.errors import Refused
 from rubnoise.figure_names import unit_of
 from rubnoise.model import Model
 from rubnoise.streams import LARGEST_UNIFORM
@@ -199,6 +200,12 @@ def too_short(name: str, needed: float) -> Row:
     """Return a figure left out because the run is too short, with the length in um that it needs."""
     needs = f"it needs about {needed:.3g} um" if isfinite(needed) else "no length would do"
     return left_out(name, f"the run is too short; {needs}")
+
+
+def need(length: float, needed: float) -> None:
+    """Raise Refused, with the length in um that a part of a comparison needs, if a record is shorter."""
+    if length < needed:
+        raise Refused(too_short("", needed).note)
 
 
 def poisson_figure(name: str, observed: int, mean: float) -> Row:

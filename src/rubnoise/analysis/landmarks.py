@@ -1,22 +1,15 @@
 """The landmarks of a run between two times, and the sticks, slips, flights and impacts that follow from them."""
 
-from bisect import bisect_left
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
 
+from rubnoise.analysis.selection import first_row
 from rubnoise.arrays import Doubles
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import ContactKind, LandmarkKind
 from rubnoise.record.sink import Columns
-
-
-def first_landmark(rows: Rows, time: float) -> int:
-    """Return the first landmark at or after a time in s, or their number if there is none."""
-    return bisect_left(
-        range(rows.rows("landmarks")), time, key=lambda row: float(rows.column("landmarks", "time", row, row + 1)[0])
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +34,7 @@ class Spells:
 
         If the first landmark of a run ends a spell, this began with the run.
         """
-        first, last = first_landmark(rows, begin), first_landmark(rows, end)
+        first, last = (first_row(rows, "landmarks", "time", each) for each in (begin, end))
         if most is not None and last - first > most:
             last = first + most
             end = float(rows.column("landmarks", "time", last, last + 1)[0])

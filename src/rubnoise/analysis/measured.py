@@ -224,7 +224,8 @@ class Births:
 class MeasuredRun:
     """A sink: moments of columns, the area as noise, the births, sums of lives, and deviations from exact relations.
 
-    ``off`` holds the largest deviation of each relation between columns, by its name.
+    ``off`` holds the largest deviation of each relation between columns, by its name; ``sums`` what the rows of
+    /junctions make of area, count and force at the ticks of ``sampled``.
     """
 
     def __init__(self, model: Model) -> None:
@@ -240,11 +241,11 @@ class MeasuredRun:
         self._sampled: list[Doubles] = [np.empty((3, 0))]
         self._first = self.layout.first["trace"] % self.layout.apart
         self._ticks = model.tick * np.arange(self._first, model.tick_count + 1, self.layout.apart)
-        self._sums = np.zeros((3, self._ticks.size))
+        self.sums = np.zeros((3, self._ticks.size))
 
-    def ticks(self, group: str = "trace") -> int:
-        """Return the number of ticks that figures of a group are over."""
-        return next((seen.count for (of, _), seen in self.moments.items() if of == group), 0)
+    def ticks(self) -> int:
+        """Return the number of ticks that figures of the trace are over."""
+        return next((seen.count for (group, _), seen in self.moments.items() if group == "trace"), 0)
 
     @property
     def sampled(self) -> Doubles:
@@ -302,17 +303,8 @@ class MeasuredRun:
         area = area_of(self.model.pulse, self._ticks[tick[there]] - birth[there], diameter[there], aside)
         strength = columns["shear_strength"][there] if "shear_strength" in columns else 0.0
         for line, values in enumerate((area, np.ones(there.size), strength * area)):
-            self._sums[line] += np.bincount(tick[there], values, self._ticks.size)
+            self.sums[line] += np.bincount(tick[there], values, self._ticks.size)
         self.largest = max(self.largest, float(diameter.max(initial=0.0)))
-
-    def differences(self) -> Doubles:
-        """Return how far area, count and force of the trace are at most from the sums over rows."""
-        found = self.sampled
-        return np.asarray(np.abs(found - self._sums[:, : found.shape[1]]).max(axis=1, initial=0.0), dtype=np.float64)
-
-    def most_alive(self) -> float:
-        """Return the largest number of live junctions at those ticks, at least 1."""
-        return max(1.0, float(self._sums[1].max(initial=0.0)))
 
     def _bear(self, first_row: int, first: int, columns: Columns) -> None:
         """Add rows of /load with the trace beside them: what the contact bears, and the force of friction."""

@@ -26,10 +26,7 @@ class RecordTooShort(Refused):
 
     def __init__(self, what: str, estimate: object, *, length: float, needed: float) -> None:
         super().__init__(what, estimate, length, needed)
-        self.what = what
-        self.estimate = estimate
-        self.length = length
-        self.needed = needed
+        self.what, self.estimate, self.length, self.needed = what, estimate, length, needed
 
     def __str__(self) -> str:
         """Return the figure without an error, and the length from which on it has one."""
@@ -50,7 +47,6 @@ LENGTHS_A_BATCH = 10.0
 """Integrated autocorrelation lengths to a batch: what neighbours share then takes a few per cent off the error."""
 
 _WINDOW = 5.0
-_FIRST_REACH = 256
 
 
 def integrated_autocorrelation(values: Doubles) -> float:
@@ -60,18 +56,12 @@ def integrated_autocorrelation(values: Doubles) -> float:
     inf if the record ends before that lag.
     Source: Sokal (1997), doi:10.1007/978-1-4899-0319-8_6.
     """
-    reach = min(_FIRST_REACH, values.size - 1)
-    while True:
-        covariance = autocovariance(values, reach)
-        if covariance[0] <= 0.0:
-            return 1.0
-        lengths = 2.0 * np.cumsum(covariance) / covariance[0] - 1.0
-        enough = np.flatnonzero(np.arange(reach + 1) >= _WINDOW * np.maximum(lengths, 1.0))
-        if enough.size:
-            return max(1.0, float(lengths[enough[0]]))
-        if reach == values.size - 1:
-            return float("inf")
-        reach = min(4 * reach, values.size - 1)
+    covariance = autocovariance(values, values.size - 1)
+    if covariance[0] <= 0.0:
+        return 1.0
+    lengths = 2.0 * np.cumsum(covariance) / covariance[0] - 1.0
+    enough = np.flatnonzero(np.arange(values.size) >= _WINDOW * np.maximum(lengths, 1.0))
+    return max(1.0, float(lengths[enough[0]])) if enough.size else inf
 
 
 def batch_length(values: Doubles, tick: float, what: str, estimate: object) -> int:

@@ -8,8 +8,6 @@ from typing import Final
 import numpy as np
 
 _TAIL = 0.025
-
-
 _FOUR_SIGMA = 3.1671241833119857e-05
 """Chance that a normal number lies more than four standard deviations above its mean."""
 
@@ -52,12 +50,14 @@ class PooledEstimate:
         return float(stdtrit(self.runs - 1, 1.0 - tail)) * self.standard_error if self.runs > 1 else inf
 
 
+UNKNOWN: Final = PooledEstimate(value=nan, standard_error=inf, runs=0)
+
+
 def estimate(values: Sequence[float]) -> PooledEstimate:
     """Return the mean of the values of independent runs, with its standard error from their scatter."""
     found = np.asarray(values, dtype=np.float64)
-    return PooledEstimate(
-        value=float(found.mean()), standard_error=_error(found) if found.size > 1 else inf, runs=found.size
-    )
+    error = _error(found) if found.size > 1 else inf
+    return PooledEstimate(value=float(found.mean()), standard_error=error, runs=found.size)
 
 
 def difference(first: PooledEstimate, second: PooledEstimate) -> PooledEstimate:
@@ -78,25 +78,22 @@ def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> P
     """
     found = np.array([value for value in values if abs(value) <= LARGEST])
     if not found.size:
-        return PooledEstimate(value=nan, standard_error=inf, runs=0)
+        return UNKNOWN
     if found.size == 1:
         known = isfinite(standard_error)
-        return PooledEstimate(
-            value=float(found[0]), standard_error=standard_error if known else inf, runs=1, from_theory=known
-        )
+        return PooledEstimate(value=float(found[0]), standard_error=standard_error if known else inf, from_theory=known)
     if not name.endswith("_std"):
         return estimate(found.tolist())
     squares = np.square(found)
     value = sqrt(float(squares.mean()))
-    return PooledEstimate(
-        value=value, standard_error=_error(squares) / (2.0 * value) if value else 0.0, runs=found.size
-    )
+    error = _error(squares) / (2.0 * value) if value else 0.0
+    return PooledEstimate(value=value, standard_error=error, runs=found.size)
 
 
 def ratio(first: PooledEstimate, second: PooledEstimate) -> PooledEstimate:
     """Return first / second for independent runs, with the standard error of first order; the fewer runs count."""
     if not first.value or not second.value:
-        return PooledEstimate(value=nan, standard_error=inf, runs=0)
+        return UNKNOWN
     value = first.value / second.value
     relative = hypot(first.standard_error / first.value, second.standard_error / second.value)
     return PooledEstimate(value=value, standard_error=abs(value) * relative, runs=min(first.runs, second.runs))
@@ -112,7 +109,7 @@ def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -
         [pair for pair in zip(first, second, strict=True) if all(abs(value) <= LARGEST for value in pair)]
     ).reshape(-1, 2)
     if not len(pairs) or not pairs[:, 1].any():
-        return PooledEstimate(value=nan, standard_error=inf, runs=0)
+        return UNKNOWN
     squared = name.endswith("_std")
     one, other = (np.square(pairs) if squared else pairs).T
     value = float(one.sum() / other.sum())

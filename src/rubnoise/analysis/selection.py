@@ -3,6 +3,7 @@
 Rows are read in chunks, to limit memory, and checked when they are read.
 """
 
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Self
@@ -24,6 +25,11 @@ NEAR: Final = 4096
 """Rows nearer to each other than this are read together with what lies between them."""
 
 RowNumbers = NDArray[np.int64]
+
+
+def first_row(file: Rows, group: str, name: str, value: float) -> int:
+    """Return the first row whose value in a rising column is this or more, or the number of rows if there is none."""
+    return bisect_left(range(file.rows(group)), value, key=lambda row: file.column(group, name, row, row + 1)[0])
 
 
 def select(
@@ -101,10 +107,6 @@ class Neighbours:
             return self.chosen((self.birth < distance) & (distance <= self.death))
         return self.chosen((self.birth <= distance) & (distance < self.death))
 
-    def only(self, number: int) -> Self:
-        """Return the junction with a row number."""
-        return self.chosen(self.rows == number)
-
     def area(self, distance: float) -> Doubles:
         """Return the area in um^2 of each at a distance in um at which all are alive."""
         return area_of(self.pulse, distance - self.birth, self.diameter, self.offset)
@@ -143,14 +145,11 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
         alive = (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start)
         found.append(np.flatnonzero(alive) + chunk.first)
     rows = np.concatenate(found)
-    return _neighbours_in(file, rows[rows != number])
-
-
-def _neighbours_in(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
+    rows = rows[rows != number]
     names = ["birth_distance", "death_distance", "diameter"]
     names += [name for name in ("shear_strength", "lateral_offset") if name in file.columns["junctions"]]
-    chunks = list(gather(file, rows, names))
-    columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in chunks)]) for name in names}
+    gathered = list(gather(file, rows, names))
+    columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in gathered)]) for name in names}
     check_numbers("junctions", rows, columns)
     return Neighbours(
         rows=rows,

@@ -39,22 +39,26 @@ Between = Callable[[], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sound:
-    """Rows ``first`` to ``first + rows`` of a column of a run, heard at ``rate`` samples a second.
+    """Rows ``first`` to ``first + rows`` of a column of a run, heard at ``rate`` samples a second for ``seconds``.
 
     Before ``first`` the start of the normal motion under a load decays. ``ratio`` is samples over ticks, and
-    ``tick_duration`` the time in s from tick to tick in the run. ``natural`` is the natural frequency in Hz of the
-    motion that is heard, None without one.
+    ``tick_duration`` the time in s from tick to tick in the run. The requested ``speed_up`` is met up to the precision
+    of the ratio. ``natural`` is the natural frequency in Hz of the motion that is heard, None without one.
     """
 
     file: Reader
     what: Heard
     group: str
+    column: str
+    units: str
     first: int
     rows: int
     tick_duration: float
     rate: int
     ratio: Fraction
+    speed_up: float
     samples: int
+    seconds: float
     natural: float | None
 
     @classmethod
@@ -81,42 +85,25 @@ class Sound:
         if seconds is not None and seconds * rate > whole:
             raise Refused(f"--seconds {seconds:g}: the sound of the whole run lasts {whole / rate:.6g} s")
         samples = whole if seconds is None else max(1, round(seconds * rate))
-        swinging = model.slider
-        if group == "load":
-            swinging = None if model.separation is None else model.separation.oscillator
+        weighed = None if model.separation is None else model.separation.oscillator
+        swinging = weighed if group == "load" else model.slider
+        about = next(each for each in schema.GROUPS if each.name == group).columns
         return cls(
             file=file,
             what="normal-velocity" if group == "load" and what == "velocity" else what,
             group=group,
+            column=COLUMNS[what],
+            units=next(each.units for each in about if each.name == COLUMNS[what]),
             first=first,
             rows=min(rows, ceil((samples - 1) / ratio) + 1 if samples else 0),
             tick_duration=model.tick_duration,
             rate=rate,
             ratio=ratio,
+            speed_up=rate * model.tick_duration / float(ratio),
             samples=samples,
+            seconds=samples / rate,
             natural=None if swinging is None else swinging.natural_frequency,
         )
-
-    @property
-    def column(self) -> str:
-        """Name of the column in its group."""
-        return COLUMNS[self.what]
-
-    @property
-    def units(self) -> str:
-        """Unit of the column."""
-        group = next(group for group in schema.GROUPS if group.name == self.group)
-        return next(column.units for column in group.columns if column.name == self.column)
-
-    @property
-    def speed_up(self) -> float:
-        """The speed-up with which it is heard: the requested one, up to the precision of the ratio of rates."""
-        return self.rate * self.tick_duration / float(self.ratio)
-
-    @property
-    def seconds(self) -> float:
-        """Duration of the sound in s."""
-        return self.samples / self.rate
 
     def chunks(self) -> Iterator[Doubles]:
         """Yield the rows in chunks, as they are in the run."""
@@ -180,19 +167,14 @@ def level_of(sound: Sound, between: Between) -> Level:
         if total is not None:
             total.add(chunk)
         between()
-    loudest = _loudest(sound, moments.mean, between)
+    loudest = 0.0
+    for chunk in sound.about(moments.mean):
+        loudest = max(loudest, float(np.abs(chunk).max()))
+        between()
     if loudest <= _NOTHING * abs(moments.mean):
         raise Refused(f"the {sound.what} does not vary, so there is nothing to hear")
     spectrum = None if total is None else total.spectrum()
     return Level(mean=moments.mean, full_scale=loudest / PEAK, variance=moments.variance, spectrum=spectrum)
-
-
-def _loudest(sound: Sound, mean: float, between: Between) -> float:
-    loudest = 0.0
-    for chunk in sound.about(mean):
-        loudest = max(loudest, float(np.abs(chunk).max()))
-        between()
-    return loudest
 
 
 def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles]:

@@ -1,15 +1,15 @@
 """Welch's estimate of a spectral density, in the convention of all our pages, with its errors, bands and octaves."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
-from math import inf, log10, nan, pi, sqrt
+from math import inf, pi, sqrt
 from typing import Final
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from rubnoise.analysis.records import RecordTooShort
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -18,10 +18,7 @@ from rubnoise.record.tally import Moments
 from rubnoise.theory.coupling import THIRD, band_numbers, level, third_octaves
 from rubnoise.theory.motion import FORCE, density_of, need_friction
 from rubnoise.theory.sizes import COARSE, sizes_of
-from rubnoise.theory.unit_pulse import energy, pass_energies
-
-FEWEST_SEGMENTS = 30
-"""Segments from which a spectrum has standard errors of its own, from the differences between them."""
+from rubnoise.theory.unit_pulse import pass_energies
 
 SEGMENTS = 64
 _VALUES_AT_ONCE = 1 << 19
@@ -61,28 +58,20 @@ def hann(ticks: int) -> Doubles:
     return np.square(np.sin(np.pi * np.arange(ticks) / ticks))
 
 
-def welch(values: Doubles, tick: float, ticks: int | None = None) -> Spectrum:
-    """Return Welch's estimate of the two-sided S(k) from a record of equal ticks (um), Hann windows that half overlap.
-
-    S_i = (tick / sum w^2) |sum of w_j (x_j - mean) exp(-2 pi i j / n)|^2, the mean over segments of n ``ticks`` (by
-    default the even number that gives about 64 segments), each less its own mean. Standard errors come from the scatter
-    of segments. Raises RecordTooShort, with the Spectrum, for fewer than 30 segments.
-    Source: Welch (1967), doi:10.1109/TAU.1967.1161901; the same as scipy.signal.welch(..., return_onesided=False).
-    """
-    length = max(2, 2 * (values.size // (SEGMENTS + 1))) if ticks is None else ticks
-    total = WelchSum(length, tick)
-    total.add(values)
-    found = total.spectrum()
-    if found.segments < FEWEST_SEGMENTS:
-        needed = 0.5 * (FEWEST_SEGMENTS + 1) * length * tick
-        raise RecordTooShort("spectrum", found, length=values.size * tick, needed=needed)
-    return found
+def welch(chunks: Iterable[Doubles], ticks: int, tick: float) -> Spectrum:
+    """Return Welch's estimate of a record that comes in pieces; see WelchSum."""
+    total = WelchSum(ticks, tick)
+    for chunk in chunks:
+        total.add(np.asarray(chunk, dtype=np.float64))
+    return total.spectrum()
 
 
 class WelchSum:
-    """Welch's estimate of a stream of values, which may come in pieces of any size.
+    """Welch's estimate of the two-sided S(k) of a stream of values, which may come in pieces of any size.
 
-    Segments have ``ticks`` values ``tick`` um apart, half of them shared with the next.
+    S_i = (tick / sum w^2) |sum of w_j (x_j - mean) exp(-2 pi i j / n)|^2, the mean over segments of n ``ticks``, each
+    less its own mean, with Hann windows that half overlap; ``tick`` in um. Errors come from the scatter of segments.
+    Source: Welch (1967), doi:10.1109/TAU.1967.1161901; the same as scipy.signal.welch(..., return_onesided=False).
     """
 
     def __init__(self, ticks: int, tick: float) -> None:
@@ -175,14 +164,17 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     which contain the mean, and next to the last are left out. The skewness is that of the second part alone.
     Source: as for `rubnoise.theory.second_order.autocovariance`, for four places at once.
     """
-    shared = shared_variance(seen.ticks, seen.segments)
+    shared, sizes = shared_variance(seen.ticks, seen.segments), sizes_of(model.sizes, COARSE)
     power, births = float(seen.wavenumber[1]) / pi, model.birth_rate * length
+    probabilities = np.multiply.outer(sizes.probability, pass_energies(model.pulse, np.zeros(1))[1]).ravel()
     bands, found = bands_of(seen.density.size, count), []
-    probabilities, band_energies = _energies(model, seen.wavenumber, bands)
-    for part, energies in zip(bands, band_energies, strict=True):
-        variance = _gaussian_variance(expected[part], shared) / seen.segments
-        first, second, third = (float(probabilities @ energies**power) for power in (1, 2, 3))
-        variance += second / first**2 / births
+    for part in bands:
+        # Off the centre line, where the energy of a life costs more, some bins represent many.
+        every = 1 if model.pulse.offset == "none" else -(-part.size // _MOST_OF_A_BAND)
+        some = seen.wavenumber[part[::every]]
+        lives = [pass_energies(model.pulse, some * d)[0].sum(axis=1) * d**6 for d in sizes.diameter.tolist()]
+        first, second, third = (float(probabilities @ np.concatenate(lives) ** n) for n in (1, 2, 3))
+        variance = _gaussian_variance(expected[part], shared) / seen.segments + second / first**2 / births
         level = power * float(expected[part].sum())
         found.append(
             Band(
@@ -215,29 +207,6 @@ def _gaussian_variance(expected: Doubles, shared: Doubles) -> float:
     for apart in range(1, min(shared.size, expected.size)):
         pairs += 2.0 * shared[apart] * float(expected[apart:] @ expected[:-apart])
     return pairs / float(expected.sum()) ** 2
-
-
-def _energies(
-    model: Model, wavenumber: Doubles, bands: Sequence[NDArray[np.int64]]
-) -> tuple[Doubles, Sequence[Doubles]]:
-    """Return probabilities of lives by size, and for each band the sum of |A^(k)|^2 by size, up to a factor.
-
-    Off the centre line the energy also depends on the offset, more for shorter waves; there some bins represent many.
-    """
-    sizes = sizes_of(model.sizes, COARSE)
-    if model.pulse.offset == "none":
-        if not bands:
-            return sizes.probability, ()
-        # Bands follow each other without a gap.
-        starts, inside = [int(part[0] - bands[0][0]) for part in bands], wavenumber[bands[0][0] : bands[-1][-1] + 1]
-        sums = [np.add.reduceat(energy(model.pulse, inside * d), starts) * d**6 for d in sizes.diameter.tolist()]
-        return sizes.probability, list(np.stack(sums, axis=1))
-    energies, shares = [], pass_energies(model.pulse, np.zeros(1))[1]
-    for part in bands:
-        some = wavenumber[part[:: -(-part.size // _MOST_OF_A_BAND)]]
-        sums = [pass_energies(model.pulse, some * d)[0].sum(axis=1) * d**6 for d in sizes.diameter.tolist()]
-        energies.append(np.concatenate(sums))
-    return np.multiply.outer(sizes.probability, shares).ravel(), energies
 
 
 MOST_ROWS: Final = 1 << 22
@@ -289,27 +258,19 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
     edges = width * (np.arange(spectrum.density.size) + 0.5)
     running = np.cumsum(spectrum.density[1:]) * (float(spectrum.wavenumber[1]) / pi)
     lowest = _FEWEST_BINS * width / (THIRD - 1.0 / THIRD)
-    middles = 10.0 ** (0.1 * np.array(band_numbers(lowest, edges[-1] / THIRD)))
+    numbers = np.array(band_numbers(lowest, edges[-1] / THIRD))
+    middles = 10.0 ** (0.1 * numbers)
     upper, lower = (np.interp(middles * side, edges[1:], running) for side in (THIRD, 1.0 / THIRD))
-    power = upper - lower
-    kept, exact = power > _PART_LEFT_OUT * running[-1], None
-    if (known := _exact(model)) is not None:
-        numbers = [round(10.0 * log10(middle)) for middle in middles.tolist()]
-        kept &= np.array([number in known for number in numbers])
-        exact = np.array([known.get(number, nan) for number in numbers])[kept]
+    power, exact = upper - lower, None
+    kept = power > _PART_LEFT_OUT * running[-1]
+    with suppress(Refused):
+        bands = third_octaves(model)
+        known = np.rint(10.0 * np.log10(bands["frequency"]))
+        kept &= np.isin(numbers, known)
+        exact = bands["level"][np.searchsorted(known, numbers[kept])]
     return HeardBands(
         velocity=moments.std,
         frequency=middles[kept],
         level=np.array([level(sqrt(each)) for each in power[kept].tolist()]),
         exact=exact,
     )
-
-
-def _exact(model: Model) -> dict[int, float] | None:
-    """Return exact levels by the numbers of their bands; None if theory knows none."""
-    try:
-        bands = third_octaves(model)
-    except Refused:
-        return None
-    numbers = (round(10.0 * log10(middle)) for middle in bands["frequency"].tolist())
-    return dict(zip(numbers, bands["level"].tolist(), strict=True))

@@ -7,9 +7,7 @@ from math import pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
-from rubnoise.analysis.spectra import SEGMENTS, WelchSum, force_spectrum
+from rubnoise.analysis.spectra import SEGMENTS, force_spectrum, welch
 from rubnoise.api.column_group import SHORT, Table
 from rubnoise.api.columns import Column, with_units
 from rubnoise.arrays import Doubles
@@ -110,10 +108,7 @@ def power_spectrum(
         raise Refused(
             f"{name}: a segment of {length}, in a record of {rows:,}; a spectrum needs segments of 8 rows or more"
         )
-    total = WelchSum(ticks, step)
-    for chunk in chunks:
-        total.add(np.asarray(chunk, dtype=np.float64))
-    seen = total.spectrum()
+    seen = welch(chunks, ticks, step)
     if place_units == "s":
         shown, scale = SI.get(units, (units, 1.0))
         factor, per = 2.0 * scale**2, f"{_squared(shown)}/Hz"

@@ -92,8 +92,7 @@ def picture_of(
     Raises Refused for what does not go together.
     """
     from rubnoise.figures.catalogue import HEARD, OVERLAID, drawing
-    from rubnoise.figures.stretch import Stretch
-    from rubnoise.figures.tracks import prefix_refusals
+    from rubnoise.figures.tracks import Stretch, prefix_refusals
 
     heard, other, measured = heard_of(of), None, None
     if heard is not None and what not in HEARD:

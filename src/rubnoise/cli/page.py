@@ -121,7 +121,7 @@ def _written(sources: Sequence[Path], form: PageForm, ends: Ends) -> tuple[str, 
 def view_page(file: Path, ends: Ends = (None, None)) -> tuple[str, str]:
     """Return a page to explore a result, and which stretch of it has every tick."""
     from rubnoise.cli.loading import finished_run
-    from rubnoise.figures.stretch import Stretch
+    from rubnoise.figures.tracks import Stretch
     from rubnoise.pages.run_view import RunView
 
     with finished_run(file) as run:

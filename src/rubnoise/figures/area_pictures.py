@@ -18,8 +18,7 @@ from rubnoise.errors import Refused
 from rubnoise.figures import style
 from rubnoise.figures.panes import draw_along, draw_histogram, draw_lanes, draw_layers, edges_of, mark_ends, mark_mean
 from rubnoise.figures.spectra import draw_spectra, is_expected, spectrum_of
-from rubnoise.figures.stretch import MOST_READ, Stretch
-from rubnoise.figures.tracks import Track, tracks_of
+from rubnoise.figures.tracks import MOST_READ, Stretch, Track, tracks_of
 from rubnoise.theory.moments import area_cumulants, distribution, share_of
 from rubnoise.theory.second_order import autocovariance, spectral_density
 

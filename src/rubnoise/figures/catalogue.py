@@ -9,22 +9,11 @@ from rubnoise.analysis.sound import Heard
 from rubnoise.api.kinds import Kind, Style
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
-from rubnoise.figures import style
-from rubnoise.figures.area_pictures import (
-    draw_acf,
-    draw_count,
-    draw_lifelines,
-    draw_population,
-    draw_psd,
-    draw_single_lives,
-    draw_trace,
-    draw_values,
-)
+from rubnoise.figures import area_pictures, slider_pictures, style
 from rubnoise.figures.contact import draw_contact
 from rubnoise.figures.narrow import fit_labels
-from rubnoise.figures.slider_pictures import draw_landmarks, draw_load, draw_motion, draw_overview, draw_phase
-from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import draw_study, study_of_sweep
+from rubnoise.figures.tracks import Stretch
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,22 +21,22 @@ if TYPE_CHECKING:
 
 
 PICTURES: Final[dict[Kind, tuple[Callable[..., str], float, float]]] = {
-    "trace": (draw_trace, 7.2, 4.6),
-    "lives": (draw_single_lives, 7.2, 5.2),
-    "histogram": (draw_values, 7.2, 3.6),
-    "psd": (draw_psd, 7.2, 5.4),
-    "acf": (draw_acf, 7.2, 3.8),
-    "count": (draw_count, 7.2, 3.4),
-    "slider": (draw_motion, 7.2, 6.6),
-    "phase": (draw_phase, 7.2, 4.2),
-    "landmarks": (draw_landmarks, 7.2, 3.6),
-    "lifelines": (draw_lifelines, 7.2, 5.2),
-    "overview": (draw_overview, 9.0, 5.4),
-    "sizes": (partial(draw_population, of="sizes"), 7.2, 3.8),
-    "life_distances": (partial(draw_population, of="lives"), 7.2, 3.8),
-    "gaps": (partial(draw_population, of="gaps"), 7.2, 3.8),
+    "trace": (area_pictures.draw_trace, 7.2, 4.6),
+    "lives": (area_pictures.draw_single_lives, 7.2, 5.2),
+    "histogram": (area_pictures.draw_values, 7.2, 3.6),
+    "psd": (area_pictures.draw_psd, 7.2, 5.4),
+    "acf": (area_pictures.draw_acf, 7.2, 3.8),
+    "count": (area_pictures.draw_count, 7.2, 3.4),
+    "slider": (slider_pictures.draw_motion, 7.2, 6.6),
+    "phase": (slider_pictures.draw_phase, 7.2, 4.2),
+    "landmarks": (slider_pictures.draw_landmarks, 7.2, 3.6),
+    "lifelines": (area_pictures.draw_lifelines, 7.2, 5.2),
+    "overview": (slider_pictures.draw_overview, 9.0, 5.4),
+    "sizes": (partial(area_pictures.draw_population, of="sizes"), 7.2, 3.8),
+    "life_distances": (partial(area_pictures.draw_population, of="lives"), 7.2, 3.8),
+    "gaps": (partial(area_pictures.draw_population, of="gaps"), 7.2, 3.8),
     "contact": (draw_contact, 7.2, 4.4),
-    "load": (draw_load, 7.2, 5.4),
+    "load": (slider_pictures.draw_load, 7.2, 5.4),
 }
 """What draws the panes of each picture into a figure and returns its title; its own width and height in inches."""
 
@@ -95,7 +84,9 @@ def drawing(
         options["beside"] = beside
     with style.house_style(look.style), style.in_place_of(ax) as place:
         figure = style.new_figure(*(look.inches or size)) if place is None else place
-        style.add_title(figure, stretch, draw(figure, stretch, **options), beside)
+        whose = style.contact_label(stretch.model) if beside is None else f"and over it {beside.name}"
+        between = ": " if beside is None else ", "
+        style.put_title(figure, *draw(figure, stretch, **options).splitlines(), f"{stretch.name}{between}{whose}")
         if measured is not None:
             label, over, density = measured
             figure.axes[0].plot(over, density, color=style.INK, lw=1.0, label=style.shortened(label))

@@ -11,13 +11,12 @@ from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused
-from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, FAINT, INK, PALE, house_style, new_figure, shortened, with_minus
+from rubnoise.figures.tracks import Stretch
 from rubnoise.record.rows import JunctionState
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
 
 
@@ -59,10 +58,10 @@ class Stage:
         areas = area_of(pairs.pulse, self.distance - pairs.birth[touching], pairs.diameter[touching], aside)
         lenses = [self._lens(i, float(shift[i])) for i in touching.tolist()]
         overlaps = PolyCollection(lenses, array=areas, cmap=shades, clim=(0.0, self.largest_area), lw=0.0, zorder=2)
-        axes.add_collection(self._circles(0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1))
+        self._circles(axes, 0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1)
         axes.add_collection(overlaps)
         upper = "upper surface, sliding \N{RIGHTWARDS ARROW}"
-        axes.add_collection(self._circles(shift, 0.5, facecolor="none", edgecolor=INK, zorder=3))
+        self._circles(axes, shift, 0.5, facecolor="none", edgecolor=INK, zorder=3)
         axes.plot([], [], marker="o", ms=8.0, mfc="none", mew=0.7, ls="", color=INK, label=upper)
         self._signs(axes, pairs.birth, BORN, marker="o", mfc="white", ms=5.0, label="birth")
         self._signs(axes, pairs.death, LEAD, marker="x", ms=6.0, label="death")
@@ -79,16 +78,14 @@ class Stage:
         middle = self.x + 0.5 * (events - pairs.birth - pairs.half_life)
         axes.plot(middle[which], self.y[which], ls="", color=INK, mew=1.2, zorder=4, **look)
 
-    def _circles(self, shift: Doubles, aside: float, **look: Any) -> "PolyCollection":
-        """Return circles ``shift`` um along the motion and a part of their offsets across it."""
-        from matplotlib.collections import PolyCollection
+    def _circles(self, axes: "Axes", shift: Doubles, aside: float, **look: Any) -> None:
+        """Draw circles ``shift`` um along the motion and a part of their offsets across it."""
+        from matplotlib.collections import EllipseCollection
 
-        turn = np.linspace(0.0, 2.0 * pi, 2 * ARC_POINTS, endpoint=False)
-        radius = 0.5 * self.junctions.diameter[:, np.newaxis]
-        x = (self.x + shift)[:, np.newaxis] + radius * np.cos(turn)
-        across = 0.0 if self.junctions.offset is None else aside * self.junctions.offset[:, np.newaxis]
-        y = self.y[:, np.newaxis] + across + radius * np.sin(turn)
-        return PolyCollection(list(np.stack([x, y], axis=-1)), lw=0.7, **look)
+        size, offset = self.junctions.diameter, self.junctions.offset
+        places = np.stack([self.x + shift, self.y + (0.0 if offset is None else aside * offset)], axis=-1)
+        look |= {"units": "xy", "offsets": places, "offset_transform": axes.transData, "lw": 0.7}
+        axes.add_collection(EllipseCollection(size, size, 0.0 * size, **look))
 
     def _lens(self, row: int, shift: float) -> Doubles:
         """Return the outline of the overlap of a pair's circles, with centres ``shift`` um apart along the motion."""
@@ -160,7 +157,10 @@ def draw_life(life: Life, source: str = "") -> "Figure":
     """Draw one life; ``source`` is the origin in its title."""
     figure = new_figure(6.6, 5.6)
     above, below = figure.subplots(2, 1, sharex=True)
-    above.set_title(_title(life, source), pad=10.0)
+    whose = f"Junction {life.number:,}" + (f" of {shortened(source)}" if source else "")
+    ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
+    born = f"born at {with_minus(f'{life.birth_distance:,.2f}')} µm{ended}"
+    above.set_title(f"{whose}\ndiameter {life.diameter:.4g} µm, {born}", pad=10.0)
     _draw_neighbours(above, life)
     _draw_own(above, life)
     _draw_contact(below, life)
@@ -171,12 +171,6 @@ def draw_life(life: Life, source: str = "") -> "Figure":
     below.set_xlabel("sliding distance since its birth (µm)")
     below.set_xlim(0.0, life.life_distance)
     return figure
-
-
-def _title(life: Life, source: str) -> str:
-    whose = f"Junction {life.number:,}" + (f" of {shortened(source)}" if source else "")
-    ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
-    return f"{whose}\ndiameter {life.diameter:.4g} µm, born at {with_minus(f'{life.birth_distance:,.2f}')} µm{ended}"
 
 
 def _draw_neighbours(axes: "Axes", life: Life) -> None:

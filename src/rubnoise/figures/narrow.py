@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.legend import Legend
 
 NARROW: Final = 120.0 / 25.4
 """Width in inches below which a picture is narrow, as one column of a journal is: its letters are those of paper."""
@@ -71,37 +70,24 @@ def _thin_between_powers(axes: "Axes") -> None:
 
 def _labels(figure: "Figure") -> Iterator[tuple[Any, float, bool]]:
     """Yield each text with its room in dots, and whether it is upright."""
-    width = figure.bbox.width
-    for axes in figure.axes:
-        box = axes.get_window_extent()
-        others = [other.get_window_extent() for other in figure.axes if other is not axes]
-        left = max((other.x1 for other in others if other.x1 <= box.x0), default=0.0)
-        right = min((other.x0 for other in others if other.x0 >= box.x1), default=width)
-        middle = 0.5 * (box.x0 + box.x1)
-        for text in _titles(axes):
-            yield text, _FREE * (right - box.x0), False
-        yield axes.xaxis.label, 2.0 * min(middle - left, right - middle), False
-        yield axes.yaxis.label, box.height, True
-    for legend, panes in _legends(figure):
-        for text in legend.get_texts():
-            yield text, _WORDS * width / panes, False
-
-
-def _titles(axes: "Axes") -> Iterator[Any]:
-    """Yield the titles of axes that have words."""
     from matplotlib.text import Text
 
-    words = {axes.get_title(loc="left"), axes.get_title()} - {""}
-    yield from (text for text in axes.get_children() if isinstance(text, Text) and text.get_text() in words)
-
-
-def _legends(figure: "Figure") -> "Iterator[tuple[Legend, int]]":
-    """Yield each legend, and how many panes share its width."""
-    yield from ((legend, 1) for legend in figure.legends)
-    boxes = [axes.get_window_extent() for axes in figure.axes]
+    width, boxes = figure.bbox.width, [axes.get_window_extent() for axes in figure.axes]
+    for each in figure.legends:
+        yield from ((text, _WORDS * width, False) for text in each.get_texts())
     for axes, box in zip(figure.axes, boxes, strict=True):
+        left = max((other.x1 for other in boxes if other.x1 <= box.x0), default=0.0)
+        right = min((other.x0 for other in boxes if other.x0 >= box.x1), default=width)
+        middle = 0.5 * (box.x0 + box.x1)
+        words = {axes.get_title(loc="left"), axes.get_title()} - {""}
+        for text in axes.get_children():
+            if isinstance(text, Text) and text.get_text() in words:
+                yield text, _FREE * (right - box.x0), False
+        yield axes.xaxis.label, 2.0 * min(middle - left, right - middle), False
+        yield axes.yaxis.label, box.height, True
         if (legend := axes.get_legend()) is not None:
-            yield legend, sum(other.y0 < box.y1 and box.y0 < other.y1 for other in boxes)
+            panes = sum(other.y0 < box.y1 and box.y0 < other.y1 for other in boxes)  # which share its width
+            yield from ((text, _WORDS * width / panes, False) for text in legend.get_texts())
 
 
 def _broken(text: Any, room: float, *, upright: bool) -> bool:

@@ -47,20 +47,15 @@ def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **lo
         highest = max(float(axes.dataLim.y1), 0.0)
         axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * highest))
     else:
-        _widen_if_constant(axes)
+        low, high = axes.get_ylim()
+        middle = 0.5 * (low + high)
+        if high - low < style.NEAREST * abs(middle):  # what differs by rounding alone: no axis has the digits for less
+            axes.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
     axes.set_ylabel(first.quantity.label)
     if last:
         axes.set_xlabel("time (s)" if first.timed else style.DISTANCE)
     else:
         axes.tick_params(labelbottom=False)
-
-
-def _widen_if_constant(axes: "Axes") -> None:
-    """Let values that differ by rounding alone span a fifth of themselves: no axis has the digits for less."""
-    low, high = axes.get_ylim()
-    middle = 0.5 * (low + high)
-    if high - low < style.NEAREST * abs(middle):
-        axes.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
 
 
 MOST_SPANS: Final = 1500

@@ -10,9 +10,8 @@ from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.errors import Refused
 from rubnoise.figures.panes import curve_styles, draw_along, draw_counts, draw_density, draw_layers
 from rubnoise.figures.spectra import draw_spectra, spectrum_of
-from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import DISTANCE, INK, VERMILION, fitting_columns
-from rubnoise.figures.tracks import Track, at_the_same, labels_of, tracks_of
+from rubnoise.figures.tracks import MOST_READ, Stretch, Track, at_the_same, labels_of, tracks_of
 from rubnoise.theory.motion import response
 
 if TYPE_CHECKING:
@@ -193,7 +192,8 @@ def _chosen(stretch: Stretch) -> Neighbours:
     diameter = stretch.file.column("junctions", "diameter", first, last)
     number = first + int(np.argmin(np.abs(diameter - stretch.model.sizes.moment(1))))
     begin = float(stretch.file.column("junctions", "birth_distance", number, number + 1)[0])
-    return neighbours(stretch.file, -1, begin, begin).only(number)
+    alive = neighbours(stretch.file, -1, begin, begin)
+    return alive.chosen(alive.rows == number)
 
 
 def _draw_sum(axes: "Axes", stretch: Stretch, junction: Neighbours) -> None:

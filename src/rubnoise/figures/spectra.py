@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.landmarks import first_landmark
+from rubnoise.analysis.selection import first_row
 from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
@@ -51,9 +51,8 @@ def spectrum_of(track: Track) -> Spectrum:
     segments, longest = OF_CONTACT if track.swings is None else OF_MOTION
     length = longest / track.natural
     if track.group == "slider" and track.model.is_two_way:
-        file = track.stretch.file
-        sticks = first_landmark(file, track.end) - first_landmark(file, track.begin)
-        length = max(length, STICKS * 2.0 * (track.end - track.begin) / max(sticks, 1))
+        first, last = (first_row(track.stretch.file, "landmarks", "time", time) for time in (track.begin, track.end))
+        length = max(length, STICKS * 2.0 * (track.end - track.begin) / max(last - first, 1))
     rows = 2 * (min(2 * (track.last - track.first) // (segments + 1), int(length / track.step)) // 2)
     if rows < FEWEST_ROWS:
         needed = FEWEST_ROWS * (segments + 1) / 2 * track.step

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import cycle
@@ -105,20 +106,14 @@ def exact_curve(spots: Sequence[Spot], key: str, quantity: str) -> tuple[Doubles
     low, high = float(places.min()), float(places.max())
     between = np.geomspace(low, high, CURVE) if low > 0.0 and high > 2.0 * low else np.linspace(low, high, CURVE)
     across = np.unique(np.concatenate([places, between]))
+    resolved, (table, _, name) = spots[0].scenario.resolved(), key.partition(".")
+    there = getattr(getattr(spots[0].scenario, table), name)
     known = {spot.place: spot.exact for spot in spots}
-    values = [known[x] if x in known else exact_at(spots[0].scenario, key, x, quantity) for x in across.tolist()]
-    return across, np.array(values)
-
-
-def exact_at(scenario: Scenario, key: str, value: float, quantity: str) -> float:
-    """Return the exact quantity for a scenario with another value of a key, in its working unit; nan without one."""
-    resolved, (table, _, name) = scenario.resolved(), key.partition(".")
-    there = getattr(getattr(scenario, table), name)
-    written = Quantity(Fraction(repr(value)), there.kind) if isinstance(there, Quantity) else value
-    try:
-        return exact_of(build(resolved | {table: resolved[table] | {name: written}}), quantity)
-    except Refused:
-        return nan
+    for value in across[~np.isin(across, places)].tolist():
+        written = Quantity(Fraction(repr(value)), there.kind) if isinstance(there, Quantity) else value
+        with suppress(Refused):
+            known[value] = exact_of(build(resolved | {table: resolved[table] | {name: written}}), quantity)
+    return across, np.array([known.get(value, nan) for value in across.tolist()])
 
 
 def exact_of(scenario: Scenario, quantity: str) -> float:
@@ -310,7 +305,8 @@ def _draw_exact(axes: "Axes", places: Doubles, line: StudyLine, study: Study, sh
 
 def _label(axes: "Axes", study: Study) -> None:
     axes.set_xlabel(key_label(study.key, study.unit))
-    axes.set_ylabel(quantity_label(study.quantity))
+    unit = shown_unit(FIGURE_NAMES[study.quantity].unit)
+    axes.set_ylabel(FIGURE_NAMES[study.quantity].words + (f" ({unit})" if unit else ""))
     values = np.array([value for line in study.lines for spot in line.spots for value in (spot.seen.value, spot.exact)])
     if study.numeric:
         _scale(axes, study, values)
@@ -352,12 +348,6 @@ def _legend(axes: "Axes", study: Study) -> None:
         handles += axes.plot([], [], color=style.VERMILION, lw=1.2, ls=dashes)
         labels.append("exact" if dashes == "-" else "law of weak coupling")
     axes.legend(handles, labels, loc="best", title=title, alignment="left")
-
-
-def quantity_label(name: str) -> str:
-    """Return the label of a figure's axis."""
-    known = FIGURE_NAMES[name]
-    return f"{known.words} ({shown_unit(known.unit)})" if known.unit else known.words
 
 
 def quantity_words(name: str) -> str:

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-    from rubnoise.figures.stretch import Stretch
     from rubnoise.model import Model
 
 INK: Final = "#000000"
@@ -96,7 +95,7 @@ def _picture_class() -> Any:
 
 
 @contextmanager
-def in_place_of(ax: "Axes | None") -> Iterator[Any]:
+def in_place_of(ax: Any) -> Iterator[Any]:
     """Yield a part of a figure in the place of axes, to draw on; None without axes.
 
     The axes leave their figure as soon as the picture is drawn; if it cannot be drawn, they stay. Raises Refused for
@@ -105,22 +104,6 @@ def in_place_of(ax: "Axes | None") -> Iterator[Any]:
     if ax is None:
         yield None
         return
-    figure, place = _grid_place(ax)
-    whole: Any = figure.figure
-    if whole.get_layout_engine() is None:
-        whole.set_layout_engine("constrained")
-    inner = figure.add_subfigure(place)
-    try:
-        yield inner
-    except BaseException:
-        inner.clear()
-        figure.subfigs.remove(inner)
-        raise
-    ax.remove()
-
-
-def _grid_place(ax: Any) -> tuple[Any, Any]:
-    """Return the figure of axes, or the part of one, and their place in its grid; raises Refused without one."""
     from matplotlib.axes import Axes
 
     if not isinstance(ax, Axes):
@@ -132,7 +115,17 @@ def _grid_place(ax: Any) -> tuple[Any, Any]:
         raise Refused("ax: these axes left their figure when another picture took their place; give it axes of its own")
     if ax.get_subplotspec() is None:
         raise Refused("ax: these axes have no place in a grid; plt.subplots() makes some that have one")
-    return figure, ax.get_subplotspec()
+    whole = figure.figure
+    if whole.get_layout_engine() is None:
+        whole.set_layout_engine("constrained")
+    inner = figure.add_subfigure(ax.get_subplotspec())
+    try:
+        yield inner
+    except BaseException:
+        inner.clear()
+        figure.subfigs.remove(inner)
+        raise
+    ax.remove()
 
 
 SIZES: Final = {
@@ -186,26 +179,17 @@ def logarithmic(*several: "Axis") -> None:
     for axis in several:
         scale = axis.axes.set_xscale if axis is axis.axes.xaxis else axis.axes.set_yscale
         scale("log")
-        axis.set_major_formatter(FuncFormatter(partial(_at_powers, axis)))
-        axis.set_minor_formatter(FuncFormatter(partial(_between_powers, axis)))
+        axis.set_major_formatter(FuncFormatter(partial(_label, axis, at_power=True)))
+        axis.set_minor_formatter(FuncFormatter(partial(_label, axis, at_power=False)))
 
 
-def _at_powers(axis: "Axis", value: float, _: int) -> str:
-    """Return the label of a power of ten, in raised letters but on a narrow axis."""
-    if _is_narrow(axis):
-        return f"{value:g}"
-    return "10" + str(round(log10(value))).translate(_RAISED) if value > 0.0 else ""
-
-
-def _between_powers(axis: "Axis", value: float, _: int) -> str:
-    """Return the label of a value between powers of ten on a narrow axis; 6, 7 and 9 have no room for one."""
-    return f"{value:g}" if _is_narrow(axis) and f"{value:.0e}"[0] not in "679" else ""
-
-
-def _is_narrow(axis: "Axis") -> bool:
-    """Whether an axis spans so little that it may hold no power of ten."""
+def _label(axis: "Axis", value: float, _: int, *, at_power: bool) -> str:
+    """Return the label of a power of ten in raised letters, and of values between on an axis that may hold none."""
     low, high = sorted(axis.get_view_interval())
-    return bool(low > 0.0 and high < 10.0 * low)
+    if low > 0.0 and high < 10.0 * low:
+        has_room = at_power or f"{value:.0e}"[0] not in "679"
+        return f"{value:g}" if has_room else ""
+    return "10" + str(round(log10(value))).translate(_RAISED) if at_power and value > 0.0 else ""
 
 
 def shortened(name: str, longest: int = LONGEST_NAME) -> str:
@@ -232,13 +216,6 @@ NEAREST: Final = 1e-6
 """Span of values over the values themselves below which nothing but rounding is seen."""
 
 
-def add_title(figure: "Figure", stretch: "Stretch", shown: str, beside: "Stretch | None" = None) -> None:
-    """Put a title over a figure: what it shows, then the file, what is in contact, or which run is laid over it."""
-    file = file_label(stretch)
-    whose = f"{file}: {contact_label(stretch.model)}" if beside is None else f"{file}, and over it {file_label(beside)}"
-    put_title(figure, *shown.splitlines(), whose)
-
-
 def put_title(figure: "Figure", *texts: str) -> None:
     """Put lines of a title over a figure; one that is wider than the figure is broken."""
     room = max(20, int(CHARACTERS_PER_INCH * figure.figure.get_figwidth()))
@@ -249,11 +226,6 @@ def contact_label(model: "Model") -> str:
     """Return how many junctions there are on average, and how large they are; of a free slider, if it were held."""
     held = f"{model.mean_junction_count:.4g} junctions of {model.calibrated_diameter:.3g} µm on average"
     return held if model.free is None else f"free slider; at constant separation {held}"
-
-
-def file_label(stretch: "Stretch") -> str:
-    """Return the name of a result as a picture has room for."""
-    return shortened(stretch.file.path.name)
 
 
 def with_minus(text: str) -> str:

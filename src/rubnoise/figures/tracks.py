@@ -1,26 +1,134 @@
-"""What a picture draws along a run: quantities with what theory says of them, and the rows of one in a stretch."""
+"""What a picture draws along a run: a stretch of it, quantities with what theory says of them, and the rows of one."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from math import ceil, floor
 from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.figures import FIGURES
-from rubnoise.analysis.landmarks import Flights, Sticks, first_landmark
+from rubnoise.analysis.landmarks import Flights, Sticks
+from rubnoise.analysis.selection import first_row
 from rubnoise.analysis.spectra import force_spectrum
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, chunk_of_steps
 from rubnoise.errors import Refused
-from rubnoise.figures.stretch import MOST_READ, Stretch, thinned
-from rubnoise.figures.style import file_label
+from rubnoise.figures.style import shortened
 from rubnoise.model import Model, Slider
-from rubnoise.record.reader import column_chunks
+from rubnoise.record.reader import Reader, chunks, column_chunks
+from rubnoise.scenario.reading import stored
 from rubnoise.theory.ancestors import white_spectrum
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import FORCE, motion_spectrum
 from rubnoise.theory.second_order import spectral_density
+
+MOST_POINTS: Final = 3000
+"""Points of a curve that a picture of this size can show apart; of more only the extremes are drawn."""
+
+MOST_READ: Final = 4_194_304
+"""Rows that are read at once if a picture needs them together; more of them change the picture little."""
+
+SLACK: Final = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stretch:
+    """A result, the physics of its run, and the sliding distances in um between which it is shown.
+
+    ``chosen``: whether the user chose this stretch; otherwise it is the default.
+    """
+
+    file: Reader
+    model: Model
+    title: str
+    start: float
+    stop: float
+    chosen: bool
+
+    @classmethod
+    def of(cls, file: Reader, start: float | None = None, stop: float | None = None) -> Self:
+        """Return a stretch of an open result, all of it by default; raises Refused if it has fewer than two ticks."""
+        model = stored(file.provenance["scenario_resolved"]).model()
+        found = cls(
+            file=file,
+            model=model,
+            title=str(file.attributes["title"]),
+            start=0.0 if start is None else start,
+            stop=model.distance if stop is None else min(stop, model.distance),
+            chosen=not (start is None and stop is None),
+        )
+        ends = f"{found.start:g} to {found.stop:g} um"
+        if not 0.0 <= found.start < found.stop:
+            raise Refused(f"nothing lies in {ends}; the run goes from 0 to {model.distance:g} um")
+        first, last = found.rows("trace")
+        if last - first < 2:
+            raise Refused(f"{ends} is too short to draw; the run has a tick every {model.tick:g} um")
+        return found
+
+    @property
+    def name(self) -> str:
+        """The name of the result as a picture has room for."""
+        return shortened(self.file.path.name)
+
+    @property
+    def has_theory(self) -> bool:
+        """Whether theory knows the statistics of the contact: not of a slider that may leave it."""
+        return self.model.free is None
+
+    def first_born(self, distance: float) -> int:
+        """Return the first row of /junctions that is born at a distance or later."""
+        return first_row(self.file, "junctions", "birth_distance", distance)
+
+    def narrowed(self, width: float) -> Self:
+        """Return the stretch itself if the user chose it, else its beginning of a width in um."""
+        if self.chosen or self.stop - self.start <= width:
+            return self
+        return replace(self, stop=self.start + width)
+
+    def whole(self) -> Self:
+        """Return the whole run."""
+        return replace(self, start=0.0, stop=self.model.distance)
+
+    def rows(self, group: str) -> tuple[int, int]:
+        """Return the rows of /trace or /slider in the stretch, as the first and the one after the last.
+
+        Those of /trace are a tick apart. Those of a one-way /slider are, too; a two-way slider passes the two distances
+        when it first reaches them.
+        """
+        if group == "slider" and self.model.is_two_way:
+            return self._passages()
+        first = ceil(self.start / self.model.tick - SLACK)
+        last = floor(self.stop / self.model.tick + SLACK) + 1
+        return first, min(last, self.file.rows(group))
+
+    def _passages(self) -> tuple[int, int]:
+        """Return the rows of a two-way /slider from its first at the start to the last before it passes the stop.
+
+        It may run back, so that its distances are in no order.
+        """
+        rows, first = self.file.rows("slider"), 0 if self.start == 0.0 else None
+        if first == 0 and self.stop >= self.model.distance:
+            return 0, rows
+        for chunk in chunks(self.file, "slider"):
+            if first is None and (reached := np.flatnonzero(chunk["distance"] >= self.start)).size:
+                first = chunk.first + int(reached[0])
+            if (passed := np.flatnonzero(chunk["distance"] > self.stop)).size:
+                last = chunk.first + int(passed[0])
+                return last if first is None else first, last
+        return rows if first is None else first, rows
+
+
+def lowest_and_highest(chunks: Iterable[NDArray[Any]], step: int) -> tuple[Doubles, Doubles]:
+    """Return the lowest and the highest values of each ``step`` rows; chunks hold a whole number of steps."""
+    low, high = [], []
+    for chunk in chunks:
+        starts = np.arange(0, chunk.size, step)
+        low.append(np.minimum.reduceat(chunk, starts))
+        high.append(np.maximum.reduceat(chunk, starts))
+    return np.concatenate(low).astype(np.float64), np.concatenate(high).astype(np.float64)
+
 
 LIVES, PERIODS, STICKS = 40.0, 20.0, 20
 """Mean lives, natural periods of what swings, and sticks with two-way coupling that are shown by default."""
@@ -172,7 +280,7 @@ class Track:
     def _until_some_stuck(self) -> float:
         """Return the time in s until some sticks are over; of fewer all, and 0 if nothing sticks."""
         file = self.stretch.file
-        wanted, there = first_landmark(file, self.begin) + 2 * STICKS, file.rows("landmarks")
+        wanted, there = first_row(file, "landmarks", "time", self.begin) + 2 * STICKS, file.rows("landmarks")
         if wanted >= there:
             return self.end - self.begin if there else 0.0
         return float(file.column("landmarks", "time", wanted, wanted + 1)[0]) - self.begin
@@ -188,8 +296,17 @@ class Track:
 
     def curve(self) -> tuple[Doubles, Doubles]:
         """Return places or times and values as on the axes; of many rows only the extremes of each few."""
-        place, value = thinned(self.stretch.file, self.group, self.quantity.column, self.first, self.last)
-        return self.step * place, self.quantity.scale * value
+        file, column, ends = self.stretch.file, self.quantity.column, (self.first, self.last)
+        few = ceil((self.last - self.first) / MOST_POINTS)
+        if few <= 2:
+            row, value = np.arange(*ends, dtype=np.float64), file.column(self.group, column, *ends).astype(np.float64)
+        else:
+            # The lowest and the highest of twice as many rows make as many points.
+            few *= 2
+            row = np.repeat(np.arange(*ends, few) + 0.5 * (few - 1), 2)
+            chunks = column_chunks(file, self.group, column, *ends, size=chunk_of_steps(few))
+            value = np.stack(lowest_and_highest(chunks, few), axis=-1).ravel()
+        return self.step * row, self.quantity.scale * value
 
     def chunks(self) -> Iterator[NDArray[Any]]:
         """Yield the values as on the axis in arrays of some rows."""
@@ -244,7 +361,7 @@ def labels_of(tracks: Sequence[Track]) -> list[str]:
     couplings = [f"{track.swings.coupling} coupling" for track in tracks if track.swings is not None]
     if len(set(couplings)) == len(tracks):
         return couplings
-    return [file_label(track.stretch) for track in tracks]
+    return [track.stretch.name for track in tracks]
 
 
 @contextmanager

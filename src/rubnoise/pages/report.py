@@ -19,9 +19,9 @@ from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
 from rubnoise.figures.catalogue import drawing
 from rubnoise.figures.fits import contact_figure
-from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import draw_study, key_label, quantities_of, quantity_words, study_of_sweep
 from rubnoise.figures.style import PicturesMissing, drawn
+from rubnoise.figures.tracks import Stretch
 from rubnoise.model import Model
 from rubnoise.pages.page import written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number

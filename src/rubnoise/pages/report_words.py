@@ -7,7 +7,7 @@ from typing import Final
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.moments import one_way_warnings
 from rubnoise.answer import Row, length
-from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.tracks import Stretch
 from rubnoise.model import FreeSeparation, Model, Slider
 from rubnoise.theory.coupling import free_motion, load_motion
 from rubnoise.theory.moments import area_cumulants

@@ -11,11 +11,11 @@ from typing import Any, Final, Self
 
 import numpy as np
 
-from rubnoise.analysis.landmarks import Flights, Sticks, first_landmark
-from rubnoise.analysis.selection import neighbours
+from rubnoise.analysis.landmarks import Flights, Sticks
+from rubnoise.analysis.selection import first_row, neighbours
 from rubnoise.arrays import chunk_of_steps
 from rubnoise.errors import Refused
-from rubnoise.figures.stretch import Stretch, lowest_and_highest
+from rubnoise.figures.tracks import Stretch, lowest_and_highest
 from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import page
 from rubnoise.pages.statistics import exact_curves, whole_run
@@ -146,7 +146,7 @@ class RunView:
         times = file.column("slider", "time", first, last)
         begin, end = (float(times[0]), float(times[-1])) if times.size else (0.0, 0.0)
         found = Sticks.of(file, begin, end)
-        rows = first_landmark(file, begin), first_landmark(file, end)
+        rows = [first_row(file, "landmarks", "time", each) for each in (begin, end)]
         kind, time, place = (file.column("landmarks", name, *rows) for name in ("kind", "time", "displacement"))
         turns = kind == LandmarkKind.REVERSAL
         return {

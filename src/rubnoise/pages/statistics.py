@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.spectra import WelchSum, hann
+from rubnoise.analysis.spectra import hann, welch
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
@@ -114,10 +114,8 @@ def whole_run(file: Rows, curves: Mapping[str, Any], *, leaves: bool) -> dict[st
 def _statistics(file: Rows, name: str, ticks: int, step: float, *, leaves: bool) -> dict[str, Any]:
     """Return two-sided spectrum and histogram of a column: ``ends`` and ``counts`` of its bars, and all ``rows``."""
     group, column = QUANTITIES[name]
-    welch = WelchSum(ticks, step)
-    for values in column_chunks(file, group, column):
-        welch.add(values)
-    spectrum, ends, counts = welch.spectrum(), _ends(file, group, column), np.zeros(BARS, dtype=np.uint32)
+    spectrum = welch(column_chunks(file, group, column), ticks, step)
+    ends, counts = _ends(file, group, column), np.zeros(BARS, dtype=np.uint32)
     for values in column_chunks(file, group, column):
         counts += np.histogram(values[values > 0.0] if leaves else values, BARS, ends)[0].astype(np.uint32)
     return {

@@ -6,10 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.spectra import WelchSum
+from rubnoise.analysis.spectra import welch
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused, RunFileRefused
-from rubnoise.figures.stretch import lowest_and_highest
+from rubnoise.figures.tracks import lowest_and_highest
 from rubnoise.pages.page import page
 from rubnoise.pages.statistics import LIVES
 
@@ -111,9 +111,7 @@ def _spectra(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
         ticks = 2 * int(0.5 * min(LIVES * life / step, area.size / FEWEST_SEGMENTS))
         if ticks < FEWEST_TICKS:
             continue
-        total = WelchSum(ticks, step)
-        total.add(area)
-        seen = total.spectrum()
+        seen = welch([area], ticks, step)
         chosen = np.unique(np.geomspace(2, seen.density.size - 1, SPECTRUM_POINTS).astype(int))
         found[str(names[row])] = [seen.wavenumber[chosen].tolist(), seen.density[chosen].tolist()]
     return found
