@@ -16,6 +16,7 @@ from rubnoise.inference.signal import Signal
 Z: Final = 1.959963984540054
 SPREADS: Final = (0.0, 0.25, 0.5, 1.0)
 """Relative spreads of strengths for which number and strength are given beside the assumed one."""
+_AS_LARGE: Final = 0.35  # error of a spread over itself beyond which it may be none
 ENOUGH_CYCLES: Final = 40.0
 """Cycles per life that a sensor has to pass if its filter is not given; docs/inference.md has the measured table."""
 
@@ -66,20 +67,14 @@ def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> d
     an assumption.
     """
     contact, place, tick = fit.contact, fit.contact.place, signal.tick
-    population = fit.problem.population
     found = {"diameter": _positive(place.diameter * tick, fit.error({"diameter": 1.0}), "um")}
-    spread = population.relative_spread(place.shape)
-    if population.spread:
-        found["relative_spread"] = _spread(fit, spread)
-    elif compared:
-        found["relative_spread"] = Estimate(value=spread, standard_error=0.0, interval=(spread, spread), unit="1")
+    if fit.problem.population.spread or compared:
+        found["relative_spread"] = _spread(fit)
     found["noise"] = _noise(fit, scale, signal.unit)
     free = fit.known.free
     if free != ("strength",):
-        powers = {"births": 1.0, "diameter": 1.0}
-        found["junction_count"] = _positive(
-            fit.problem.pulse.mean_life * contact.births * place.diameter, fit.error(powers), "1"
-        )
+        count = fit.problem.pulse.mean_life * contact.births * place.diameter
+        found["junction_count"] = _positive(count, fit.error({"births": 1.0, "diameter": 1.0}), "1")
     if "births" in free:
         area = contact.births * fit.problem.pulse.life_integral(1) * fit.moment(3) * place.diameter**3 * tick**2
         powers = {"births": 1.0, "diameter": 3.0, "shape": fit.by_shape(3)}
@@ -100,27 +95,28 @@ def _positive(value: float, error: float, unit: str) -> Estimate:
     )
 
 
-def _spread(fit: Fit, spread: float) -> Estimate:
+def _spread(fit: Fit) -> Estimate:
     """Return the spread with its interval; for the narrowest law, from 0 to the least spread that could be seen."""
     population, shape = fit.problem.population, fit.contact.place.shape
+    value = population.relative_spread(shape)
+    if not population.spread:
+        return Estimate(value=value, standard_error=0.0, interval=(value, value), unit="1")
+    if "shape" not in fit.names:
+        return Estimate(value=0.0, standard_error=0.0, interval=(0.0, value), unit="1")
     step = 1e-4 * shape
     slope = (population.relative_spread(shape + step) - population.relative_spread(shape - step)) / (2.0 * step)
-    if "shape" not in fit.names:
-        return Estimate(value=0.0, standard_error=0.0, interval=(0.0, spread), unit="1")
-    error = fit.error({"shape": 1.0})
-    value = population.relative_spread(shape)
-    log_error = error * shape * slope / value
-    # A spread whose error is as large as itself may be none.
-    low = max(0.0, value * (1.0 - Z * log_error)) if log_error > 0.35 else value * exp(-Z * log_error)
-    high = value * (1.0 + Z * log_error) if log_error > 0.35 else value * exp(Z * log_error)
-    return Estimate(value=value, standard_error=value * log_error, interval=(low, high), unit="1")
+    log_error = fit.error({"shape": 1.0}) * shape * slope / value
+    if log_error <= _AS_LARGE:
+        return _positive(value, log_error, "1")
+    reach = Z * value * log_error
+    interval = (max(0.0, value - reach), value + reach)
+    return Estimate(value=value, standard_error=value * log_error, interval=interval, unit="1")
 
 
 def _noise(fit: Fit, scale: float, unit: str) -> Estimate:
-    value = sqrt(fit.contact.place.noise) * scale
     if "noise" not in fit.names:
         return Estimate(value=0.0, standard_error=0.0, interval=(0.0, sqrt(fit.problem.floor) * scale), unit=unit)
-    return _positive(value, 0.5 * fit.error({"noise": 1.0}), unit)
+    return _positive(sqrt(fit.contact.place.noise) * scale, 0.5 * fit.error({"noise": 1.0}), unit)
 
 
 def _strength_spread(inequality: float, error: float) -> Estimate:

@@ -70,13 +70,13 @@ class FitProblem:
         self.floor = FLOOR * float(bands.energy.max())
         self.walk = self.expectation.drift() if drift else None
 
-    def table(self, place: FitPoint) -> EnergyTable:
-        """Return the energies of the population at a point."""
-        return energy_table(self.population.name, place.shape, self.pulse)
+    def table(self, shape: float) -> EnergyTable:
+        """Return the energies of the population with a shape."""
+        return energy_table(self.population.name, shape, self.pulse)
 
     def expected(self, place: FitPoint) -> Expected:
         """Return the expected bands at a point; parameters at a bound have no derivatives."""
-        energy, slope, by_shape = self.expectation.population(self.table(place), place.diameter) * place.rate
+        energy, slope, by_shape = self.expectation.population(self.table(place.shape), place.diameter) * place.rate
         mean = energy + place.noise
         names, by = ["rate", "diameter"], [energy, slope]
         if self.population.spread and place.shape > NARROWEST:
@@ -105,8 +105,7 @@ class FitProblem:
         """Return the point one step in logarithms away, kept within bounds."""
         move = dict(zip(names, np.clip(step, -1.0, 1.0).tolist(), strict=True))
         values = {name: getattr(place, name) for name in NAMES}
-        for name, by in move.items():
-            values[name] *= float(np.exp(by))
+        values |= {name: values[name] * float(np.exp(by)) for name, by in move.items()}
         population = self.population
         if population.spread:
             values["shape"] = min(max(values["shape"], NARROWEST), population.widest)
@@ -192,9 +191,7 @@ def starts(problem: FitProblem, diameter: float, noise: float) -> list[FitPoint]
         typical = (moments(8, shape) / moments(6, shape)) ** 0.5
         for factor in (0.7, 1.3):
             size = factor * diameter / typical
-            energy = problem.expectation.population(energy_table(problem.population.name, shape, problem.pulse), size)[
-                0
-            ]
+            energy = problem.expectation.population(problem.table(shape), size)[0]
             level = float(np.sum(weights * low) / np.sum(weights * energy[: low.size]))
             drift = None if problem.walk is None else 1e-3 * float(low.mean()) / float(problem.walk[0])
             found.append(FitPoint(rate=level, diameter=size, shape=shape, noise=noise, drift=drift))

@@ -56,35 +56,25 @@ class HonestyTest:
         return self.p < self.level
 
 
-def honesty_tests(values: Doubles, level: Doubles | float, fit: Fit, *, zero_known: bool) -> tuple[HonestyTest, ...]:
-    """Return the tests of a trace against a fit; ``level`` is its mean, or its course if it drifts."""
+def honesty_tests(values: Doubles, level: Doubles, fit: Fit, *, zero_known: bool) -> tuple[HonestyTest, ...]:
+    """Return the tests of a trace against a fit; ``level`` is its mean at each sample, or its course if it drifts."""
     return (
         spectrum_test(fit),
-        reversal_test(fit.problem.sensor.mirrored(values), level, fit.contact.place.diameter),
-        line_test(fit),
-        third_test(
-            third_cumulant(values, level),
-            values.size,
-            fit,
-            zero_known=zero_known,
-            scatter=0.0 if isinstance(level, np.ndarray) else third_scatter(values, level, fit),
-        ),
-        steadiness_test(values, fit),
+        _reversal_test(fit.problem.sensor.mirrored(values), level, fit.contact.place.diameter),
+        _line_test(fit),
+        _third_test(values, level, fit, zero_known=zero_known),
+        _steadiness_test(values, fit),
         drift_test(values, fit),
     )
 
 
-def third_cumulant(values: Doubles, level: Doubles | float) -> float:
+def third_cumulant(values: Doubles, level: Doubles) -> float:
     """Return the mean cube of a trace about its mean or its course, piece by piece."""
     total = 0.0
     for piece in slices(0, values.size, _PIECE):
-        centred = values[piece] - _of(level, piece)
+        centred = values[piece] - level[piece]
         total += float(np.sum(centred * centred * centred))
     return total / values.size
-
-
-def _of(level: Doubles | float, piece: slice) -> Doubles | float:
-    return level[piece] if isinstance(level, np.ndarray) else level
 
 
 def spectrum_test(fit: Fit) -> HonestyTest:
@@ -143,7 +133,7 @@ def _groups(bands: Bands) -> Doubles:
     return matrix
 
 
-def reversal_test(values: Doubles, level: Doubles | float, diameter: float) -> HonestyTest:
+def _reversal_test(values: Doubles, level: Doubles, diameter: float) -> HonestyTest:
     """Return Student's test that E[y(s)^2 y(s + tau) - y(s) y(s + tau)^2] is zero, over blocks, at three lags.
 
     y is the trace about its mean or its course. A life is its own mirror image, so a trace of the model has no
@@ -159,7 +149,7 @@ def reversal_test(values: Doubles, level: Doubles | float, diameter: float) -> H
         blocks = np.empty(_BLOCKS)
         for number in range(_BLOCKS):
             piece = slice(number * length, (number + 1) * length + lag)
-            centred = values[piece] - _of(level, piece)
+            centred = values[piece] - level[piece]
             earlier, later = centred[:-lag], centred[lag:]
             blocks[number] = np.mean(earlier * later * (earlier - later))
         t = float(blocks.mean() / max(blocks.std(ddof=1) / sqrt(_BLOCKS), 1e-300))
@@ -170,15 +160,16 @@ def reversal_test(values: Doubles, level: Doubles | float, diameter: float) -> H
     return HonestyTest(name="time reversal", statistic=largest, p=p, level=REVERSAL, words=words)
 
 
-def line_test(fit: Fit) -> HonestyTest:
+def _line_test(fit: Fit) -> HonestyTest:
     """Return the test of the largest bin over its neighbours, in units of the fitted spectrum, against all bins.
 
-    A bin over the mean of 2 m neighbours exceeds x with probability (1 + x / 2 m)^(-2 m): Fisher's test in a window.
+    A bin over the mean of 2 m neighbours exceeds x with probability (1 + x / 2 m)^(-2 m), the F distribution of 2 and
+    4 m degrees of freedom: Fisher's test in a window. Of several segments both are as many times as large.
     """
     from scipy.ndimage import uniform_filter1d
+    from scipy.special import fdtrc
 
-    bands = fit.problem.bands
-    n = bands.samples
+    bands, n = fit.problem.bands, fit.problem.bands.samples
     first, last = int(bands.first[0]), int(bands.last[-1])
     bins = np.arange(first, last + 1)
     middle = 0.5 * (bands.first + bands.last)
@@ -192,13 +183,7 @@ def line_test(fit: Fit) -> HonestyTest:
     around = (uniform_filter1d(ratio, wide, mode="reflect") * wide - near) / (wide - 3)
     over = ratio / np.maximum(around, 1e-300)
     place = int(np.argmax(over))
-    freedom = 2.0 * _NEIGHBOURS * bands.segments
-    if bands.segments == 1:
-        p = (1.0 + float(over[place]) / freedom) ** (-freedom)
-    else:
-        from scipy.special import fdtrc
-
-        p = float(fdtrc(2.0 * bands.segments, 2.0 * freedom, over[place]))
+    p = float(fdtrc(2.0 * bands.segments, 4.0 * _NEIGHBOURS * bands.segments, over[place]))
     p = min(1.0, p * ratio.size)
     words = f"largest line: {over[place]:.1f} times its neighbours, at {bins[place] / n:.4g} cycles per sample"
     return HonestyTest(name="line", statistic=float(over[place]), p=p, level=LINE, words=words)
@@ -214,14 +199,15 @@ def _leans_on(fit: Fit) -> tuple[float, float]:
     return (2.0, -1.0) if fit.known.strength is None else (3.0, -2.0)
 
 
-def third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
+def _third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
     """Return the standard error of the third cumulant given mean and variance, over blocks.
 
     A large junction raises all three, so their ratio scatters half as much: to first order as the mean of
     y^3 - 3 R(0) y - K3 (b y^2/R(0) + a y/mean), for b and a of `_leans_on`.
     """
     b, a = _leans_on(fit)
-    variance, third = max(1.0 - fit.contact.place.noise, 1e-12), third_cumulant(values, mean)
+    variance = max(1.0 - fit.contact.place.noise, 1e-12)
+    third = third_cumulant(values, np.broadcast_to(mean, values.shape))
     length = values.size // _BLOCKS
     blocks = np.empty(_BLOCKS)
     for number in range(_BLOCKS):
@@ -233,16 +219,17 @@ def third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
     return float(blocks.std(ddof=1)) / sqrt(_BLOCKS)
 
 
-def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool, scatter: float = 0.0) -> HonestyTest:
+def _third_test(values: Doubles, level: Doubles, fit: Fit, *, zero_known: bool) -> HonestyTest:
     """Return the test of the third cumulant against that of the fitted contact, lam E[psi^3] c_3 E[d^7].
 
     If neither mean nor strength is known, or if the trace drifts (so that its course is taken off, with a part of it),
-    only its sign can be tested. Its error over ``n`` samples then has a Gaussian part, 6 int R^3, and one
-    of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added. Otherwise it is
-    ``scatter``, or the part of single junctions if that is larger, since a record may lack the largest of them.
+    only its sign can be tested. Its error over n samples then has a Gaussian part, 6 int R^3, and one of single
+    junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added. Otherwise it is that of blocks, or the part of
+    single junctions if that is larger, since a record may lack the largest of them.
     """
     from scipy.special import stdtr
 
+    measured, n = third_cumulant(values, level), values.size
     contact, place = fit.contact, fit.contact.place
     psi, pulse, sensor = contact.strength, fit.problem.pulse, fit.problem.sensor
     sizes, probability, _ = shot_sizes(fit.problem.population, place.shape)
@@ -259,11 +246,7 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool, scatter: 
     error = sqrt(gaussian / n) + sqrt(contact.births * alike / n)
     predicted = (zero_known or fit.known.strength is not None) and place.drift is None
     if predicted:
-        powers = {
-            name: {"births": 1.0, "strength": 3.0, "inequality": 3.0, "diameter": 7.0}.get(name, 0.0)
-            for name in fit.names
-        }
-        powers["shape"] = fit.by_shape(7)
+        powers = {"births": 1.0, "strength": 3.0, "inequality": 3.0, "diameter": 7.0, "shape": fit.by_shape(7)}
         b, a = _leans_on(fit)
         squares = psi**2 * life_integrals(pulse, sensor, d)[0]
         # Cumulants add up, so that a junction brings its cube alone, less what its share of A and B leads to expect.
@@ -271,6 +254,7 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool, scatter: 
         if fit.known.mean is not None:
             alone -= expected * a * psi * np.outer(d**3, first_integrals(pulse)) / fit.known.mean
         single = sqrt(contact.births * float(probability @ np.square(alone) @ offsets(pulse)[1]) / n)
+        scatter = _third_scatter(values, float(level[0]), fit)
         z = (measured - expected) / sqrt(max(scatter, single) ** 2 + (expected * min(fit.error(powers), 1.0)) ** 2)
         p = 2.0 * float(stdtr(_BLOCKS - 1, -abs(z)))
         ratio = measured / max(abs(expected), 1e-300)
@@ -298,7 +282,7 @@ def _spread_words(ratio: float, error: float, fit: Fit) -> str:
     return f"as of a spread of strengths of {middle:.0f} % (95 %: {low:.0f} to {high:.0f} %), {given} assumed"
 
 
-def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
+def _steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
     """Return the chi-square test of the means of four quarters; if it fails, its words name a run-in to cut."""
     statistic, p = _steadiness(values, fit)
     words = f"steadiness: means of four quarters differ by chi-square {statistic:.1f} on {_PARTS - 1}"

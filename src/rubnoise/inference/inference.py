@@ -23,7 +23,7 @@ from rubnoise.inference.estimates import (
 from rubnoise.inference.fitting import FitPoint, FitProblem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
 from rubnoise.inference.passes import passed
-from rubnoise.inference.periodogram import banded
+from rubnoise.inference.periodogram import Bands, banded
 from rubnoise.inference.populations import POPULATIONS, shot_sizes
 from rubnoise.inference.scoring import STEPS, Fit, Given, covariance, score
 from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, ramp_of, strokes
@@ -154,25 +154,23 @@ def infer_signal(
     if law != "auto" and law not in POPULATIONS:
         raise Refused(f"law=: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
     values = np.asarray(signal.values, dtype=np.float64)
-    if values.size < _SHORTEST:
-        return InferenceResult(
-            signal=signal, refused_because=f"the record has {values.size} samples; it needs at least {_SHORTEST}"
-        )
-    scale = float(values.std())
-    if not scale > 1e-12 * float(np.abs(values).max()):
-        return InferenceResult(signal=signal, refused_because="the trace is constant; a sensor that moves is needed")
-    both = min(signal.ways) > 0
-    if not both and (reason := strokes(values, zero)):
+    if reason := _no_trace(values, signal, zero):
         return InferenceResult(signal=signal, refused_because=reason)
-    if both:
+    if min(signal.ways) > 0:
         zero = "known"
+    scale = float(values.std())
     values = values / scale
     half_width = half_width_under_drift(values) if drift else half_width_of(values)
-    bands = banded(
-        values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked), signal.ways
+    left_out = tuple((low * signal.tick, high * signal.tick) for low, high in masked)
+    bands = banded(values, half_width, left_out, signal.ways)
+    mean = float(values.mean()) if zero == "known" else None
+    known = Given(
+        mean=mean,
+        strength=_strength_in_ticks(signal, strength, scale),
+        inequality=assumed.inequality,
+        ramp=0.0 if mean is None or drift else ramp_of(values),
     )
-    known = _known(signal, values, zero, strength, scale, assumed, drift=drift)
-    level = course(values, half_width) if drift else float(values.mean())
+    level = course(values, half_width) if drift else np.broadcast_to(values.mean(), values.shape)
     third = third_cumulant(values, level)
     names = tuple(POPULATIONS) if law == "auto" else (law,)
     sensor = assumed.sensor(signal.tick)
@@ -217,23 +215,19 @@ def infer_signal(
     )
 
 
-def _known(
-    signal: Signal,
-    values: Doubles,
-    zero: str,
-    strength: float | None,
-    scale: float,
-    assumed: Assumed,
-    *,
-    drift: bool,
-) -> Given:
-    """Return known quantities besides the bands, in the units of the fit: values over ``scale``, lengths in ticks."""
+def _no_trace(values: Doubles, signal: Signal, zero: str) -> str:
+    """Return why values are no trace of one stroke, or of strokes that were joined; empty if they are."""
+    if values.size < _SHORTEST:
+        return f"the record has {values.size} samples; it needs at least {_SHORTEST}"
+    if not values.std() > 1e-12 * np.abs(values).max():
+        return "the trace is constant; a sensor that moves is needed"
+    return "" if min(signal.ways) > 0 else strokes(values, zero)
+
+
+def _strength_in_ticks(signal: Signal, strength: float | None, scale: float) -> float | None:
+    """Return a known strength in the units of the fit: values over ``scale``, lengths in ticks."""
     given = 1.0 if signal.is_area else strength
-    unit = None if signal.scale is None else signal.scale * scale
-    inside = None if given is None or unit is None else given * signal.tick**2 / unit
-    mean = float(values.mean()) if zero == "known" else None
-    ramp = 0.0 if mean is None or drift else ramp_of(values)
-    return Given(mean=mean, strength=inside, births=0.0, inequality=assumed.inequality, ramp=ramp)
+    return None if given is None or signal.scale is None else given * signal.tick**2 / (signal.scale * scale)
 
 
 def _fitted(problems: list[FitProblem], half_width: float, known: Given, third: float) -> list[Fit]:
@@ -271,10 +265,8 @@ def _criterion(fit: Fit) -> float:
 def _too_little(fit: Fit, signal: Signal) -> str:
     """Return why a record shows too little, with the number that it would need; empty if it is enough."""
     bands, place = fit.problem.bands, fit.contact.place
-    flat = float(np.sum(bands.weight * bands.energy) / bands.weight.sum())
-    without = [np.full(bands.energy.size, flat)]
-    if fit.problem.walk is not None:
-        without.append(_walk_alone(fit.problem, flat))
+    flat = np.full(bands.energy.size, np.average(bands.energy, weights=bands.weight))
+    without = [flat] if fit.problem.walk is None else [flat, _walk_alone(bands, fit.problem.walk, flat)]
     gain = min(deviance(bands, each) for each in without) - deviance(bands, fit.expected.mean)
     if gain < _LEAST_GAIN:
         return (
@@ -303,18 +295,13 @@ def _too_little(fit: Fit, signal: Signal) -> str:
     return ""
 
 
-def _walk_alone(problem: FitProblem, flat: float) -> Doubles:
-    """Return the bands of the random walk and white noise that fit best, by a few scoring steps."""
-    bands = problem.bands
-    assert problem.walk is not None  # noqa: S101  (asked for with a drift alone)
-    columns = np.stack([problem.walk, np.ones(bands.energy.size)], axis=-1)
-    mean = np.full(bands.energy.size, flat)
+def _walk_alone(bands: Bands, walk: Doubles, flat: Doubles) -> Doubles:
+    """Return the bands of the random walk and white noise that fit best, by a few scoring steps from a ``flat`` one."""
+    columns, mean = np.stack([walk, np.ones(walk.size)], axis=-1), flat
     for _ in range(20):
-        weights = bands.weight / np.square(mean)
-        found = np.maximum(
-            np.linalg.lstsq(columns * np.sqrt(weights)[:, None], bands.energy * np.sqrt(weights))[0], 0.0
-        )
-        mean = np.maximum(columns @ found, 1e-6 * flat)
+        weights = np.sqrt(bands.weight) / mean
+        found = np.linalg.lstsq(columns * weights[:, None], bands.energy * weights)[0]
+        mean = np.maximum(columns @ np.maximum(found, 0.0), 1e-6 * flat)
     return mean
 
 

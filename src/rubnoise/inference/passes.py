@@ -6,6 +6,7 @@ Averages over offsets have closed forms, single offsets have none. Here a few of
 found by sums, and scaled so that their average is the closed form.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from math import inf, isinf, pi
@@ -56,30 +57,30 @@ class Sensor:
 
     def filtered(self, values: Doubles) -> Doubles:
         """Return a trace after the filter; it wraps round at its ends."""
-        from scipy.fft import irfft, rfft
-
-        k = 2.0 * np.pi * np.arange(values.size // 2 + 1) / values.size
-        found: Doubles = irfft(rfft(values) * self.response(k), values.size)
-        return found
+        return _through(self.response, values)
 
     def mirrored(self, values: Doubles) -> Doubles:
         """Return a trace without the delay of the filter, |H|/H, in which a life is its own mirror image again.
 
         It is done in parts, to limit memory; white noise stays white.
         """
-        from scipy.fft import irfft, rfft
-
         if self.is_open:
             return values
-        found = np.empty_like(values)
-        parts = -(-values.size // _PIECE)
-        for begin, end in zip(
-            np.arange(parts) * values.size // parts, (np.arange(parts) + 1) * values.size // parts, strict=True
-        ):
-            k = 2.0 * np.pi * np.arange((end - begin) // 2 + 1) / (end - begin)
-            seen = self.response(k)
-            found[begin:end] = irfft(rfft(values[begin:end]) * np.abs(seen) / seen, end - begin)
-        return found
+
+        def undelayed(wavenumber: Doubles) -> Complexes:
+            seen = self.response(wavenumber)
+            return np.asarray(np.abs(seen) / seen)
+
+        parts = np.array_split(values, -(-values.size // _PIECE))
+        return np.concatenate([_through(undelayed, part) for part in parts])
+
+
+def _through(response: Callable[[Doubles], Complexes], values: Doubles) -> Doubles:
+    from scipy.fft import irfft, rfft
+
+    k = 2.0 * np.pi * np.arange(values.size // 2 + 1) / values.size
+    found: Doubles = irfft(rfft(values) * response(k), values.size)
+    return found
 
 
 OPEN: Final = Sensor()
@@ -162,8 +163,6 @@ def passed(pulse: Pulse, sensor: Sensor, diameters: Doubles, probability: Double
     if sensor.is_open:
         return 1.0, 1.0
     weights = np.outer(probability, offsets(pulse)[1])
-    seen, whole = (life_integrals(pulse, each, diameters) for each in (sensor, OPEN))
-    second, third = (
-        float(np.sum(weights * here) / np.sum(weights * all_)) for here, all_ in zip(seen, whole, strict=True)
-    )
+    seen, whole = (np.stack(life_integrals(pulse, each, diameters)) for each in (sensor, OPEN))
+    second, third = ((weights * seen).sum((1, 2)) / (weights * whole).sum((1, 2))).tolist()
     return second, third

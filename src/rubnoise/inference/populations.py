@@ -5,9 +5,9 @@ it is a convolution, so two fast transforms give it at all wavenumbers at once.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, lru_cache
-from math import erf, exp, log, pi, prod, sqrt
+from math import log, sqrt
 from typing import Final
 
 import numpy as np
@@ -39,12 +39,11 @@ _SHOT_POWER = 12
 class Population:
     """A law of diameters of unit mean with one shape parameter s.
 
-    ``moment`` returns E[d^n] at n and s. The shape of the normal law is std over centre before drawing again, of the
-    others std over mean; it is to be found, up to ``widest``, or the one of ``starts``.
+    The shape of the normal law is std over centre before drawing again, of the others std over mean; it is to be found,
+    up to ``widest``, or the one of ``starts``.
     """
 
     name: str
-    moment: Callable[[int, float], float] = field(repr=False)
     widest: float = 0.0
     starts: tuple[float, ...] = (0.08, 0.25, 0.6)
 
@@ -53,45 +52,36 @@ class Population:
         """Whether there is a shape to be found, from `NARROWEST` on."""
         return self.widest > 0.0
 
+    def law(self, mean: float, shape: float) -> Law:
+        """Return the law of `rubnoise.contact.laws` with this mean in um."""
+        make: Callable[..., Law] = LAWS[self.name].make
+        centre = mean / make(1.0, shape, {}).mean
+        return make(centre, shape * centre, {})
+
+    def moment(self, power: int, shape: float) -> float:
+        """Return E[d^n]."""
+        return self.law(1.0, shape).moment(power)
+
+    def moment_slope(self, power: int, shape: float) -> float:
+        """Return dE[d^n]/ds, by a central difference; 0 if the shape is not fitted."""
+        if not self.spread:
+            return 0.0
+        change = _SHAPE_STEP * shape
+        return (self.moment(power, shape + change) - self.moment(power, shape - change)) / (2.0 * change)
+
     def relative_spread(self, shape: float) -> float:
         """Return std over mean of the law as it is drawn."""
         return sqrt(max(self.moment(2, shape) - 1.0, 0.0))
-
-    def law(self, mean: float, shape: float) -> Law:
-        """Return the law of `rubnoise.contact.laws` with this mean in um."""
-        centre = mean / _normal_mean(shape) if self.name == "normal" else mean
-        return LAWS[self.name].make(centre, shape * centre, {})
-
-
-def _normal_mean(shape: float) -> float:
-    """Return the mean of Normal(1, s), drawn again while not positive."""
-    if shape == 0.0:
-        return 1.0
-    positive = 0.5 * (1.0 + erf(1.0 / (shape * sqrt(2.0))))
-    return 1.0 + shape * exp(-0.5 / shape**2) / (sqrt(2.0 * pi) * positive)
-
-
-# Functions with names, which an inference can be pickled with.
-def _normal_moment(power: int, shape: float) -> float:
-    mean = _normal_mean(shape)
-    before, here = 1.0, mean
-    for n in range(2, power + 1):
-        before, here = here, here + (n - 1) * shape**2 * before
-    return here / mean**power if power else 1.0
-
-
-def _gamma_moment(power: int, shape: float) -> float:
-    return prod(1.0 + n * shape**2 for n in range(power))
 
 
 POPULATIONS: Final[dict[str, Population]] = {
     each.name: each
     for each in (
-        Population(name="fixed", moment=_gamma_moment, starts=(0.0,)),
-        Population(name="normal", moment=_normal_moment, widest=2.0),
-        Population(name="lognormal", moment=lambda n, shape: (1.0 + shape**2) ** (0.5 * n * (n - 1)), widest=1.2),
-        Population(name="exponential", moment=_gamma_moment, starts=(1.0,)),
-        Population(name="gamma", moment=_gamma_moment, widest=1.6),
+        Population(name="fixed", starts=(0.0,)),
+        Population(name="normal", widest=2.0),
+        Population(name="lognormal", widest=1.2),
+        Population(name="exponential", starts=(1.0,)),
+        Population(name="gamma", widest=1.6),
     )
 }
 """The laws that a fit may choose from, by their names in a scenario."""
@@ -232,17 +222,9 @@ def energy_table(name: str, shape: float, pulse: Pulse = LENS) -> EnergyTable:
         zero=pulse.integral_moment(2) * population.moment(6, shape),
         tail=factor * population.moment(6 - power, shape),
         power=power,
-        zero_by_shape=pulse.integral_moment(2) * moment_slope(population, shape, 6),
-        tail_by_shape=factor * moment_slope(population, shape, 6 - power),
+        zero_by_shape=pulse.integral_moment(2) * population.moment_slope(6, shape),
+        tail_by_shape=factor * population.moment_slope(6 - power, shape),
     )
-
-
-def moment_slope(population: Population, shape: float, power: int) -> float:
-    """Return dE[x^n]/ds of sizes of unit mean, by a central difference; 0 if the shape is not fitted."""
-    if not population.spread:
-        return 0.0
-    change = _SHAPE_STEP * shape
-    return (population.moment(power, shape + change) - population.moment(power, shape - change)) / (2.0 * change)
 
 
 def _averaged(weights: Doubles, pulse: Pulse) -> Doubles:

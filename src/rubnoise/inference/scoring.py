@@ -13,7 +13,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.inference.fitting import Expected, FitPoint, FitProblem
 from rubnoise.inference.passes import energies, first_integrals, offsets
-from rubnoise.inference.populations import moment_slope, shot_sizes
+from rubnoise.inference.populations import shot_sizes
 from rubnoise.tables import fields_as_text
 
 STEPS: Final = 25
@@ -48,7 +48,7 @@ class Given:
 
     mean: float | None
     strength: float | None
-    births: float
+    births: float = 0.0
     inequality: float = 1.0
     ramp: float = 0.0
 
@@ -96,7 +96,7 @@ class Fit:
     def by_shape(self, power: int) -> float:
         """Return d ln E[x^n] / d ln s."""
         shape = self.contact.place.shape
-        return shape * moment_slope(self.problem.population, shape, power) / self.moment(power)
+        return shape * self.problem.population.moment_slope(power, shape) / self.moment(power)
 
 
 def expected_mean(problem: FitProblem, contact: Contact) -> float:
@@ -124,7 +124,7 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
     first = np.outer(diameters**3, first_integrals(problem.pulse)).ravel()
     chance = np.outer(probability, offsets(problem.pulse)[1]).ravel()
     # Scaled to the bands' own expectation, which knows of aliases, of the sensor and of the widths of bands.
-    expected = problem.expectation.population(problem.table(place), place.diameter)[0]
+    expected = problem.expectation.population(problem.table(place.shape), place.diameter)[0]
     each *= (expected / (each @ chance))[:, None]
     psi, w = contact.strength, contact.inequality
     f = np.vstack([psi * first, psi**2 * each])
@@ -189,21 +189,15 @@ def score(problem: FitProblem, start: FitPoint, known: Given, *, steps: int = ST
 
 def _begun(problem: FitProblem, place: FitPoint, known: Given) -> Contact:
     """Return the contact for a point of the fit and the known quantities."""
-    third = problem.pulse.life_integral(1) * problem.population.moment(3, place.shape) * place.diameter**3
-    w = known.inequality
+    w, strength = known.inequality, known.strength
     if known.mean is None:
-        if known.strength is None:
-            strength = sqrt(place.rate / (known.births * w))
-            return Contact(place=place, births=known.births, strength=strength, inequality=w)
-        births = place.rate / (known.strength**2 * w)
-        return Contact(place=place, births=births, strength=known.strength, inequality=w)
+        strength = sqrt(place.rate / (known.births * w)) if strength is None else strength
+        return Contact(place=place, births=place.rate / (strength**2 * w), strength=strength, inequality=w)
+    third = problem.pulse.life_integral(1) * problem.population.moment(3, place.shape) * place.diameter**3
     sum_of_strengths = known.mean / third
-    if known.strength is None:
-        strength = place.rate / (sum_of_strengths * w)
-        return Contact(place=place, births=sum_of_strengths / strength, strength=strength, inequality=w)
-    births = sum_of_strengths / known.strength
-    inequality = place.rate / (births * known.strength**2)
-    return Contact(place=place, births=births, strength=known.strength, inequality=inequality)
+    strength = place.rate / (sum_of_strengths * w) if strength is None else strength
+    inequality = place.rate / (sum_of_strengths * strength)
+    return Contact(place=place, births=sum_of_strengths / strength, strength=strength, inequality=inequality)
 
 
 def _derivatives(
@@ -221,7 +215,7 @@ def _derivatives(
     by[0, names.index("diameter")] = 3.0 * mean
     if "shape" in names:
         population, shape = problem.population, contact.place.shape
-        by_shape = shape * moment_slope(population, shape, 3) / population.moment(3, shape)  # d ln E[x^3] / d ln s
+        by_shape = shape * population.moment_slope(3, shape) / population.moment(3, shape)  # d ln E[x^3] / d ln s
         by[0, names.index("shape")] = mean * by_shape
     return names, by
 

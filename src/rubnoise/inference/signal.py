@@ -7,8 +7,9 @@ from math import sqrt
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rubnoise.arrays import Doubles, slices
+from rubnoise.arrays import Doubles, Integers, slices
 from rubnoise.errors import Refused
 
 _CLIPPED: Final = 1e-3
@@ -88,11 +89,7 @@ def strokes(values: Doubles, zero: str) -> str:
         middle, half_gap = 0.0, 0.3 * float(np.median(np.abs(values[:: values.size // _SEEN + 1])))
     else:
         middle, half_gap = two_levels(values)
-    # Of each sample whether it is beyond the gap, and on which side.
-    side = (values > middle + half_gap).astype(np.int8) - (values < middle - half_gap).astype(np.int8)
-    beyond = np.flatnonzero(side)
-    sides = side[beyond]
-    turns = np.flatnonzero(np.diff(sides))
+    beyond, sides, turns = _sides(values, middle, half_gap)
     above = float(np.mean(sides > 0)) if sides.size else 1.0
     rarer = min(above, 1.0 - above)
     between = 1.0 - sides.size / values.size
@@ -106,6 +103,14 @@ def strokes(values: Doubles, zero: str) -> str:
     if zero == "known" and float(values.mean()) <= 0.0:
         return "the mean is not positive, as the force of friction is with a known zero"
     return ""
+
+
+def _sides(values: Doubles, middle: float, half_gap: float) -> tuple[Integers, NDArray[np.int8], Integers]:
+    """Return the samples beyond a gap, on which side of it each is, and which of them are the last on their side."""
+    side = (values > middle + half_gap).astype(np.int8) - (values < middle - half_gap).astype(np.int8)
+    beyond = np.flatnonzero(side)
+    sides = side[beyond]
+    return beyond, sides, np.flatnonzero(np.diff(sides))
 
 
 def two_levels(values: Doubles) -> tuple[float, float]:
@@ -174,10 +179,7 @@ def reversals(values: Doubles) -> list[int]:
     The force is on one side of the middle of two levels, and a third of the way to the next level beyond it. A reversal
     lies half-way between the last sample of one side and the first of the other.
     """
-    middle, half_gap = two_levels(values)
-    side = (values > middle + half_gap).astype(np.int8) - (values < middle - half_gap).astype(np.int8)
-    beyond = np.flatnonzero(side)
-    turns = np.flatnonzero(np.diff(side[beyond]))
+    beyond, _, turns = _sides(values, *two_levels(values))
     places = (beyond[turns] + beyond[turns + 1] + 1) // 2
     return [0, *places.tolist(), values.size]
 
@@ -189,54 +191,34 @@ def joined(signal: Signal, left_out: float, first: int = 0) -> Signal:
     which is subtracted. All strokes keep as many samples as the shortest, from their middle. The signal reports that,
     and counts samples from ``first`` on. Raises Refused if a trace has no strokes both ways.
     """
-    values = signal.values
+    values, middle = signal.values, two_levels(signal.values)[0]
     edges = reversals(values)
-    middle = two_levels(values)[0]
-    lengths = np.diff(edges)
-    whole = lengths >= _SHORTEST_STROKE * float(np.median(lengths))
-    signs = [1.0 if values[begin:end].mean() > middle else -1.0 for begin, end in pairwise(edges)]
-    kept = [number for number in range(lengths.size) if whole[number]]
-    ways = [sum(signs[number] == sign for number in kept) for sign in (1.0, -1.0)]
-    if min(ways) == 0 or np.median(lengths) < _LEAST_WIDTHS * _width(values, edges, signs):
+    strokes = [(begin, values[begin:end], np.sign(values[begin:end].mean() - middle)) for begin, end in pairwise(edges)]
+    usual = float(np.median(np.diff(edges)))
+    kept = [(stroke, sign) for _, stroke, sign in strokes if stroke.size >= _SHORTEST_STROKE * usual]
+    ways = [sum(sign == way for _, sign in kept) for way in (1, -1)]
+    half_width = half_width_of(np.concatenate([sign * (stroke - middle) for _, stroke, sign in strokes]))
+    if min(ways) == 0 or usual < _LEAST_WIDTHS * half_width:
         raise Refused("strokes=: the force leaps between two levels nowhere: the trace is one stroke")
-    each = min(int(lengths[number]) - 2 * round(left_out * int(lengths[number])) for number in kept)
+    each = min(stroke.size - 2 * round(left_out * stroke.size) for stroke, _ in kept)
     if each < 1:
         raise Refused("strokes=: nothing is left of the strokes; less than 50 % of each end can be left out")
-    parts = [_middle(values, edges[number], edges[number + 1], each) for number in kept]
-    levels = [
-        float(np.mean([part.mean() for part, number in zip(parts, kept, strict=True) if signs[number] == sign]))
-        for sign in (1.0, -1.0)
-    ]
+    parts = [(stroke[(stroke.size - each) // 2 :][:each], sign) for stroke, sign in kept]
+    levels = [float(np.mean([part.mean() for part, sign in parts if sign == way])) for way in (1, -1)]
     zero = 0.5 * (levels[0] + levels[1])
-    turned = np.concatenate([signs[number] * (part - zero) for part, number in zip(parts, kept, strict=True)])
-    turns = _listed([first + edge + 1 for edge in edges[1:-1]])
+    turned = np.concatenate([sign * (part - zero) for part, sign in parts])
+    turns = [f"{first + edge + 1:,}" for edge in edges[1:-1]]
+    named = ", ".join(turns[:_NAMED]) + (f" and {len(turns) - _NAMED} more" if len(turns) > _NAMED else "")
     short = [
-        f"left out: a stroke from sample {first + edges[number] + 1:,} to {first + edges[number + 1]:,}, too short"
-        for number in range(lengths.size)
-        if not whole[number]
+        f"left out: a stroke from sample {first + begin + 1:,} to {first + begin + stroke.size:,}, too short"
+        for begin, stroke, _ in strokes
+        if stroke.size < _SHORTEST_STROKE * usual
     ]
     said = [
-        f"{len(kept)} strokes fitted together, {ways[0]} one way and {ways[1]} the other, turned at samples {turns}",
+        f"{len(kept)} strokes fitted together, {ways[0]} one way and {ways[1]} the other, turned at samples {named}",
         f"zero of the sensor: {zero:.4g} {signal.unit}, in the middle of {levels[0]:.4g} and {levels[1]:.4g}",
         f"left out: {100.0 * left_out:.3g} % of each stroke at either end; {each:,} samples of each stay",
         *short,
         f"left out of all strokes: {values.size - turned.size:,} of {values.size:,} samples",
     ]
-    return replace(signal, values=turned, ways=(ways[0], ways[1]), left_out=(*signal.left_out, *said))
-
-
-def _width(values: Doubles, edges: list[int], signs: list[float]) -> float:
-    """Return the half width of the correlation of the force, turned one way stroke by stroke."""
-    middle = two_levels(values)[0]
-    turned = [sign * (values[begin:end] - middle) for sign, (begin, end) in zip(signs, pairwise(edges), strict=True)]
-    return half_width_of(np.concatenate(turned))
-
-
-def _middle(values: Doubles, begin: int, end: int, samples: int) -> Doubles:
-    first = begin + (end - begin - samples) // 2
-    return values[first : first + samples]
-
-
-def _listed(samples: list[int]) -> str:
-    shown = ", ".join(f"{sample:,}" for sample in samples[:_NAMED])
-    return shown if len(samples) <= _NAMED else f"{shown} and {len(samples) - _NAMED} more"
+    return replace(signal, values=turned, ways=(int(ways[0]), int(ways[1])), left_out=(*signal.left_out, *said))
