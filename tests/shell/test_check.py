@@ -10,7 +10,7 @@ import rubnoise
 from rubnoise.scenario import loads
 from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import keys_of
-from rubnoise.scenario.shipped import by_name
+from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.scenario.written import template
@@ -166,7 +166,7 @@ def test_shipped_scenarios_are_listed_and_taken_by_name(here: Path) -> None:
 @pytest.mark.parametrize("name", ["paper/fig5", "paper/fig5_two_way", "studies/rise"])
 def test_a_copy_of_a_shipped_scenario_needs_no_other_file(here: Path, name: str) -> None:
     assert call("new", "mine.toml", "--from", name).code == 0
-    mine, theirs = load_either("mine.toml"), load_either(by_name(name))
+    mine, theirs = load_either("mine.toml"), load_either(shipped(name))
     if isinstance(mine, Sweep) and isinstance(theirs, Sweep):
         assert [case.scenario.resolved() for case in mine.cases] == [case.scenario.resolved() for case in theirs.cases]
     else:

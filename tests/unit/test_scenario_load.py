@@ -100,6 +100,9 @@ def test_settings_go_on_top() -> None:
     assert loads(WHOLE, overrides=["run.seed=1", "run.seed=2"]).run.seed == 2
     assert loads(WHOLE, overrides=["slider={start='rest'}"]).slider.start == "rest"  # type: ignore[union-attr]
     assert loads(BARE, overrides=["strength.mean=1 GPa"]).model().strengths.mean == 1000.0  # type: ignore[union-attr]
+    anew = loads(WHOLE, overrides=["slider.damping_ratio=0.25", "interface.load=1 N", "interface.hardness=2 GPa"])
+    assert (anew.slider.damping, anew.slider.damping_ratio) == (None, 0.25)  # type: ignore[union-attr]
+    assert (anew.interface.mean_real_contact_area, anew.interface.load) == (None, 1e6)
 
 
 def write(folder: Path, **files: str) -> Path:

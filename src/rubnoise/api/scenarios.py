@@ -75,9 +75,9 @@ def example(name: str) -> Scenario:
     >>> rubnoise.example("paper/fig5").title
     'Figure 5: excitation force and vibration'
     """
-    from rubnoise.scenario.shipped import by_name
+    from rubnoise.scenario.shipped import shipped
 
-    return load_file(by_name(os.fspath(_path(name))))
+    return load_file(shipped(os.fspath(_path(name))))
 
 
 def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:

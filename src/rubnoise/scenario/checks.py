@@ -65,40 +65,34 @@ def modelled(
     problems = [*plausibility(document, layers), *_excitation_problems(document, layers, wrong)]
     if document.strength:
         problems += _width_problems(layers, "strength", document.strength, float(document.strength.mean))
-    if "interface" not in wrong:
-        problems += (impossible := [*_contact_problems(document, layers), *_free_problems(document, layers)])
     if document.output.tick and "sliding" not in wrong:
         problems += _distance_problems(document, layers, document.output.tick)
-    if "interface" in wrong or impossible or {"diameter", "pulse"} & set(wrong):
+    if "interface" in wrong:
         return None, None, problems
+    impossible = [*_contact_problems(document, layers), *_free_problems(document, layers)]
+    if impossible or {"diameter", "pulse"} & set(wrong):
+        return None, None, [*problems, *impossible]
     try:
         diameter = diameter_of(document)
     except Uncalibrated as error:
-        problems.append(layers.problem(("interface", error.key), str(error), error.hint))
-    else:
-        tick = document.output.tick or default_tick(diameter)
-        problems += _tick_problems(document, layers, tick, diameter)
-        if not document.output.tick and not {"sliding", "output"} & set(wrong):
-            problems += _distance_problems(document, layers, tick)
-        too_wide = list(_width_problems(layers, "diameter", document.diameter, diameter))
-        if not too_wide:
-            model = model_of(document, diameter, tick)
-            return model, tick, [*problems, *_model_problems(document, layers, model, wrong)]
-        problems += too_wide
-    return None, None, problems
-
-
-def _model_problems(document: Document, layers: Layers, model: Model, wrong: Collection[str]) -> Iterator[Problem]:
+        return None, None, [*problems, layers.problem(("interface", error.key), str(error), error.hint)]
+    has_length = not {"sliding", "output"} & set(wrong)
+    tick = document.output.tick or default_tick(diameter)
+    problems += _tick_problems(document, layers, tick, diameter)
+    if has_length and not document.output.tick:
+        problems += _distance_problems(document, layers, tick)
+    if too_wide := list(_width_problems(layers, "diameter", document.diameter, diameter)):
+        return None, None, [*problems, *too_wide]
+    model = model_of(document, diameter, tick)
+    problems += _crowd_problems(layers, model)
     if "birth" not in wrong:
-        yield from _cluster_problems(layers, model)
-    yield from _crowd_problems(layers, model)
-    if not {"sliding", "output"} & set(wrong):
-        yield from _cost_problems(document, layers, model)
-        yield from _resonance_problems(document, layers, model)
+        problems += _cluster_problems(layers, model)
+    if has_length:
+        problems += [*_cost_problems(document, layers, model), *_resonance_problems(document, layers, model)]
+    return model, tick, problems
 
 
 def _resonance_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
-    """Warn of ticks too wide to show the contact resonance."""
     if model.separation is None or model.tick_duration is None:
         return
     natural = model.separation.oscillator.natural_angular_frequency

@@ -7,7 +7,7 @@ Checks, refusals, the template, the JSON schema and the pages read this file and
 
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields, make_dataclass
-from typing import TYPE_CHECKING, Any, Final, get_args, get_type_hints
+from typing import TYPE_CHECKING, Any, Final, Literal, get_args, get_type_hints
 
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS, LawEntry
@@ -58,7 +58,7 @@ class Interface(Section):
         "Mean area of one junction, so that N_jm = A_rm/patch_area: load adds junctions.",
         sample="10 um^2",
     )
-    calibration: str = key(
+    calibration: Literal["paper", "exact", "matched"] = key(
         Choice(("paper", "exact", "matched")),
         "Life mean over d_m^2: paper 0.327 (lens), exact the pulse's own, matched solves for A_rm.",
         "matched",
@@ -81,7 +81,6 @@ def _without_spread(one_value: str) -> str:
 
 
 def _with_parameters(table: type[Section], centre: str) -> Any:
-    """Return a table with the additional keys of each law of the registry."""
     own = [
         (each.name, "float | None", key(Number(Range(each.low, each.high)), about, sample=each.sample))
         for name, entry in LAWS.items()
@@ -227,7 +226,7 @@ class Sliding(Section):
         sample="20 mm/s",
         form='speed = "1 mm/s"',
     )
-    start: str = key(
+    start: Literal["stationary", "empty"] = key(
         Choice(("stationary", "empty")),
         "stationary: junctions of all ages are alive at the start; empty: there are none.",
         "stationary",
@@ -251,13 +250,13 @@ class Slider(Section):
     damping_ratio: float | None = key(
         Number(Range(1e-9, 1e6)), "Damping ratio c / (2 sqrt(k m)).", sample=0.02, remark="Instead of damping."
     )
-    coupling: str = key(
+    coupling: Literal["one-way", "two-way"] = key(
         Choice(("one-way", "two-way")),
         "one-way: the motion of the slider does not change the sliding distance; two-way: it does, "
         "and the slider may stick and turn round.",
         "one-way",
     )
-    excitation: str | None = key(
+    excitation: Literal["friction", "base", "velocity-weakening"] | None = key(
         Choice(("friction", "base", "velocity-weakening")),
         "friction, the default: the force of the junctions; base: asperities lift the slider's base "
         "(Rice and Moslehy), which runs with lives that are triangles of one size; velocity-weakening: a mean "
@@ -286,7 +285,7 @@ class Slider(Section):
         sample=50,
         remark="Only for two-way coupling.",
     )
-    start: str = key(
+    start: Literal["equilibrium", "rest"] = key(
         Choice(("equilibrium", "rest")),
         "equilibrium: at rest at the static deflection under the mean force; rest: at zero.",
         "equilibrium",
@@ -318,7 +317,7 @@ class Load(Section):
         sample=0.05,
         remark="Instead of damping.",
     )
-    motion: str = key(
+    motion: Literal["first-order", "free"] = key(
         Choice(("first-order", "free")),
         "first-order: the contact is a spring of stiffness W/s_0, for small motions; free: every"
         " junction pushes by itself, and the slider may leave its contact.",

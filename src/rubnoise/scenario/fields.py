@@ -15,7 +15,6 @@ from math import isfinite
 from typing import Any, Final
 
 from rubnoise.contact.laws import LAWS
-from rubnoise.scenario.text import toml_value
 from rubnoise.units import LENGTH, NUMBER, RATIO, Kind, Quantity, Unfit, is_of_pint, quantity_of, read_quantity
 
 TITLE_CHARACTERS: Final = 200
@@ -249,17 +248,15 @@ def _part(number: int, value: Any) -> dict[str, Any]:
     if not isinstance(value, Mapping) or not {"law", "mean"} <= value.keys() <= {"law", "mean", "spread"}:
         raise Unfit(f"part {number} needs a law and a mean, and may have a spread", '{law = "fixed", mean = 4}')
     law = Choice(LAWS_OF_PARTS).read(value["law"])
-    if LAWS[law].takes_spread != ("spread" in value):
-        raise Unfit(f'part {number}: the law "{law}" {"needs a" if LAWS[law].takes_spread else "takes no"} spread')
-    spread = {"spread": _spread(number, law, value["spread"])} if "spread" in value else {}
-    return {"law": law, "mean": _size(value["mean"]), **spread}
-
-
-def _spread(number: int, law: str, value: Any) -> str:
-    spread: Quantity = _RATIO.read(value)
-    if spread > LAWS[law].widest:
-        raise Unfit(f'part {number}: too wide for the law "{law}"', f'up to "{100.0 * LAWS[law].widest:g} %"')
-    return spread.as_text()
+    entry, read = LAWS[law], {"law": law, "mean": _size(value["mean"])}
+    if entry.takes_spread != ("spread" in value):
+        raise Unfit(f'part {number}: the law "{law}" {"needs a" if entry.takes_spread else "takes no"} spread')
+    if not entry.takes_spread:
+        return read
+    spread = _RATIO.read(value["spread"])
+    if spread > entry.widest:
+        raise Unfit(f'part {number}: too wide for the law "{law}"', f'up to "{100.0 * entry.widest:g} %"')
+    return read | {"spread": spread.as_text()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -297,8 +294,3 @@ class Section:
 def keys_of(section: type[Section]) -> Mapping[str, Key]:
     """Return the keys of a table by their names."""
     return {each.name: each.metadata[Key] for each in fields(section) if Key in each.metadata}
-
-
-def right_form(name: str, known: Key) -> str:
-    """Return a line that sets a key, and other ways to say the same."""
-    return known.form or f"{name} = {toml_value(known.default if known.sample is None else known.sample)}"

@@ -9,11 +9,11 @@ from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import OFF_CENTRE
 from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Document, Interface, Sliding, presence
-from rubnoise.scenario.fields import Key, Measure, did_you_mean, keys_of, right_form
-from rubnoise.scenario.layers import Layers
-from rubnoise.scenario.scenario import CONTACT, FREE_MOTION, RAYLEIGH, completed
+from rubnoise.scenario.fields import Key, Measure, did_you_mean, keys_of
+from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES, Layers
+from rubnoise.scenario.scenario import CONTACT, RAYLEIGH, completed
 from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
-from rubnoise.scenario.text import Path, Problem
+from rubnoise.scenario.text import Path, Problem, toml_value
 from rubnoise.units import LENGTH, RATIO, Quantity, Unfit
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
@@ -24,14 +24,7 @@ KNOWN: Final[Mapping[str, tuple[str, ...]]] = {
 }
 """The keys of each table, by its name."""
 
-ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
-    "interface": ((("mean_real_contact_area",), ("load", "hardness")), (("mean_junction_count",), ("patch_area",))),
-    "slider": ((("damping",), ("damping_ratio",)),),
-}
-"""Ways to say one thing, by table: a scenario has exactly one of them, with all of its keys."""
-
 _OWN_SCALE: Final = ("empirical", "power")
-DAMPINGS: Final = (("damping",), ("damping_ratio",))
 _ANY_DISTANCE: Final = Sliding(distance=Quantity(Fraction(1), LENGTH))
 _LAWS: Final = {
     name: (*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters), *entry.own_keys)
@@ -49,16 +42,15 @@ OWN_KEYS: Final[Mapping[tuple[str, str], Mapping[str, Collection[str]]]] = {
         "velocity-weakening": ("slope",),
     },
     ("slider", "coupling"): {"one-way": (), "two-way": ("cells",)},
-    ("load", "motion"): {"first-order": (), "free": FREE_MOTION},
+    ("load", "motion"): {"first-order": (), "free": ("restitution", "impact_damping")},
 }
 """The keys that go with each value of a choice alone, by the choice; a file must have them, but for NOT_NEEDED."""
 
-NOT_NEEDED: Final = {"heights", "cells", *FREE_MOTION, *(key for entry in LAWS.values() for key in entry.optional)}
+NOT_NEEDED: Final = {"heights", "cells", "restitution", "impact_damping"}.union(
+    *(law.optional for law in LAWS.values())
+)
 INSTEAD: Final = {name: entry.with_spread for name, entry in LAWS.items()} | {ONE_STRENGTH: LAWS["fixed"].with_spread}
 """The law to advise in place of one that takes no spread."""
-
-LOSSES: Final = tuple((key,) for key in FREE_MOTION)
-"""Ways to say what a load that weighs loses: of first order, and in free motion, which may have the others, too."""
 
 
 def format_problems(layers: Layers) -> list[Problem]:
@@ -95,12 +87,13 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
         elif name not in SECTIONS:
             problems.append(unknown(layers, (name,)))
         elif isinstance(given, Mapping):
-            problems += _out_of_place(layers, name, given, may_lack=name in broken)
-            before = len(problems)
             known = keys_of(SECTIONS[name])
+            problems += [unknown(layers, (name, key)) for key in given if key not in known]
+            lacking = [key for key, about in known.items() if about.is_needed and key not in given]
+            problems += [missing(layers, (name, key)) for key in lacking if name not in broken]
+            before = len(problems)
             values = values_of(known, layers, (name,), given, problems, from_python=from_python)
-            lacks = any(about.is_needed and key not in given for key, about in known.items())
-            if lacks or len(problems) > before:
+            if lacking or len(problems) > before:
                 wrong.add(name)
             elif name not in wrong:
                 right[name] = SECTIONS[name](**values)
@@ -108,18 +101,10 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
             wrong.add(name)
             problems.append(layers.problem((name,), "needs a table", f"a line [{name}] with its keys below"))
     both = {"interface", "diameter"}
-    if wrong & both and "mean" in _table_or_empty(layers, "diameter"):
+    if wrong & both and "mean" in layers.table("diameter"):
         wrong |= both  # area or count follow from the diameter
         right |= {"interface": Interface(), "diameter": SECTIONS["diameter"]()}
     return Document(**right), wrong, problems
-
-
-def _out_of_place(layers: Layers, name: str, given: Mapping[str, Any], *, may_lack: bool) -> Iterator[Problem]:
-    """Yield the problems of keys that are unknown in a table, and of those that it lacks."""
-    known = keys_of(SECTIONS[name])
-    yield from (unknown(layers, (name, key)) for key in given if key not in known)
-    lacking = [key for key, about in known.items() if about.is_needed and key not in given]
-    yield from (missing(layers, (name, key)) for key in lacking if not may_lack)
 
 
 def values_of(
@@ -149,7 +134,7 @@ def without_unit(layers: Layers, paths: Collection[Path]) -> list[Problem]:
     problems: list[Problem] = []
     for table, key in paths:
         about = keys_of(SECTIONS[str(table)]).get(str(key)) if table in SECTIONS else None
-        value = _table_or_empty(layers, str(table)).get(str(key))
+        value = layers.table(str(table)).get(str(key))
         if about and isinstance(about.kind, Measure) and isinstance(value, int | float) and not isinstance(value, bool):
             unfit = about.kind.refusal(value)
             problems.append(layers.problem((table, key), str(unfit), unfit.hint))
@@ -157,15 +142,12 @@ def without_unit(layers: Layers, paths: Collection[Path]) -> list[Problem]:
 
 
 def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:
-    """Return the problem of a missing key, shown at its table."""
-    return layers.problem(path, reason, f"write {_written(layers, path)}", place=layers.key_place(path[:-1]))
-
-
-def _written(layers: Layers, path: Path) -> str:
-    table_is_there = isinstance(layers.data.get(str(path[0])), dict)
-    known: Key = (TOP if len(path) == 1 else keys_of(SECTIONS[str(path[0])]))[str(path[-1])]
-    form = right_form(str(path[-1]), known)
-    return form if table_is_there or len(path) == 1 else f"{form} in a table [{path[0]}]"
+    """Return the problem of a missing key, shown at its table, with a right form."""
+    table, key = map(str, path)
+    about = keys_of(SECTIONS[table])[key]
+    form = about.form or f"{key} = {toml_value(about.sample)}"
+    where = "" if isinstance(layers.data.get(table), dict) else f" in a table [{table}]"
+    return layers.problem(path, reason, f"write {form}{where}", place=layers.key_place(path[:-1]))
 
 
 def unknown(layers: Layers, path: Path) -> Problem:
@@ -184,45 +166,29 @@ def unknown(layers: Layers, path: Path) -> Problem:
 
 
 def _rule_problems(layers: Layers) -> Iterator[Problem]:
-    """Return the problems of combinations of keys in the file, whether their values are valid or not."""
-    slider, sliding = (_table_or_empty(layers, name) for name in ("slider", "sliding"))
+    """Yield the problems of combinations of keys in the file, whether their values are valid or not."""
     if isinstance(layers.data.get("slider"), dict):
-        yield from _excitation_problems(layers, slider)
-        if "strength" not in layers.data and slider.get("excitation") != "base":
-            yield missing(
-                layers, ("strength", "mean"), "missing; a slider is driven by a force, which needs a strength"
-            )
-        if "speed" not in sliding:
-            yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
-        for ways in ALTERNATIVES["slider"]:
-            yield from _one_of(layers, "slider", ways)
+        yield from _slider_problems(layers)
     if isinstance(layers.data.get("load"), dict):
-        if "speed" not in sliding:
-            yield missing(layers, ("sliding", "speed"), "missing; the motion of a load that weighs needs it")
-        if _table_or_empty(layers, "interface").keys().isdisjoint({"load", "hardness"}):
-            yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
-        yield from _loss_problems(layers)
-        yield from _weighing_problems(layers)
+        yield from _load_problems(layers)
     for name, choice in OWN_KEYS:
         yield from _own_problems(layers, name, choice)
 
 
 def _unsound_problems(layers: Layers) -> Iterator[Problem]:
     """Yield the problems of combinations from which no contact, law or pulse can be made."""
-    if "mean" in _table_or_empty(layers, "diameter"):
+    if "mean" in layers.table("diameter"):
         yield from _mean_problems(layers)
     elif isinstance(layers.data.get("interface", {}), dict):
         for ways in ALTERNATIVES["interface"]:
             yield from _one_of(layers, "interface", ways)
     yield from _offset_problems(layers)
-    yield from _unequal_lists(layers)
-    for name in ("diameter", "strength"):
-        yield from _order_problems(layers, name)
+    yield from _law_problems(layers)
 
 
 def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, needed: bool = True) -> Iterator[Problem]:
     """Refuse ways to say one thing of which two are given, or none, or only a part of one."""
-    table = _table_or_empty(layers, name)
+    table = layers.table(name)
     given = [next(key for key in way if key in table) for way in ways if not table.keys().isdisjoint(way)]
     if len(given) > 1:
         yield _said_twice(layers, [(name, key) for key in given])
@@ -236,7 +202,7 @@ def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, nee
 
 def _mean_problems(layers: Layers) -> Iterator[Problem]:
     """Check what stands beside a mean diameter: either a count or an area, and a law without a scale of its own."""
-    interface, (areas, _) = _table_or_empty(layers, "interface"), ALTERNATIVES["interface"]
+    interface, (areas, _) = layers.table("interface"), ALTERNATIVES["interface"]
     given = [key for way in areas for key in way if key in interface]
     path, law = ("diameter", "mean"), _value(layers, "diameter", "law")
     if law in _OWN_SCALE:
@@ -261,19 +227,18 @@ def _mean_problems(layers: Layers) -> Iterator[Problem]:
         yield layers.problem(("interface", "calibration"), message, "leave the calibration out")
 
 
-def _loss_problems(layers: Layers) -> Iterator[Problem]:
-    """Check that the loss of a load that weighs fits its motion."""
-    load = _table_or_empty(layers, "load")
-    free = load.get("motion") == "free"
+def _load_problems(layers: Layers) -> Iterator[Problem]:
+    """Check what a load that weighs needs, that its loss fits its motion, and that no key contradicts it."""
+    if "speed" not in layers.table("sliding"):
+        yield missing(layers, ("sliding", "speed"), "missing; the motion of a load that weighs needs it")
+    if layers.table("interface").keys().isdisjoint({"load", "hardness"}):
+        yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
+    free = layers.table("load").get("motion") == "free"
     yield from _one_of(layers, "load", DAMPINGS, needed=not free)
     if free:
         yield from _one_of(layers, "load", LOSSES)
-
-
-def _weighing_problems(layers: Layers) -> Iterator[Problem]:
-    """Refuse keys that contradict a load that weighs."""
-    for (table, key), needed in CONTACT.items():
-        value = _value(layers, str(table), str(key))
+    for table, key, needed in ((name, key, value) for name, own in CONTACT.items() for key, value in own.items()):
+        value = _value(layers, table, key)
         right = value in {needed, None}
         if key == "spread":
             ratio = isinstance(value, Quantity) and value.kind == RATIO
@@ -291,7 +256,6 @@ def _weighing_problems(layers: Layers) -> Iterator[Problem]:
 
 
 def _offset_problems(layers: Layers) -> Iterator[Problem]:
-    """Refuse lateral offsets if their effect is not known."""
     if _value(layers, "pulse", "offset") != "uniform":
         return
     shape, law = _value(layers, "pulse", "shape"), _value(layers, "birth", "law")
@@ -310,13 +274,12 @@ def _value(layers: Layers, table: str, key: str) -> Any:
     """Return the value of a key, or its default; None if the value is refused where it is read."""
     about = keys_of(SECTIONS[table])[key]
     try:
-        return about.kind.of_python(_table_or_empty(layers, table).get(key, about.default))
+        return about.kind.of_python(layers.table(table).get(key, about.default))
     except Unfit:
         return None
 
 
 def _said_twice(layers: Layers, both: list[Path]) -> Problem:
-    """Return the problem of two keys for one quantity, shown at the second."""
     names = " and ".join(str(path[-1]) for path in both)
     places = sorted(((layers.key_place(path), path) for path in both), key=lambda each: (each[0].rank, each[0].line))
     (first, _), (second, path) = places
@@ -325,9 +288,14 @@ def _said_twice(layers: Layers, both: list[Path]) -> Problem:
     return layers.problem(path, message, "keep exactly one of the two", place=second)
 
 
-def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
-    """Refuse a driven motion where it is not known."""
+def _slider_problems(layers: Layers) -> Iterator[Problem]:
+    slider = layers.table("slider")
     excitation = slider.get("excitation", "friction")
+    if "strength" not in layers.data and excitation != "base":
+        yield missing(layers, ("strength", "mean"), "missing; a slider is driven by a force, which needs a strength")
+    if "speed" not in layers.table("sliding"):
+        yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
+    yield from _one_of(layers, "slider", DAMPINGS)
     if excitation in ("base", "velocity-weakening") and slider.get("coupling") == "two-way":
         message = f'the excitation "{excitation}" is known with one-way coupling alone'
         yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
@@ -336,16 +304,23 @@ def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Pro
         yield layers.problem(("slider", "excitation"), message, "leave [load] out")
 
 
-def _unequal_lists(layers: Layers) -> Iterator[Problem]:
-    weights, parts = (_table_or_empty(layers, "diameter").get(key) for key in ("weights", "parts"))
+def _law_problems(layers: Layers) -> Iterator[Problem]:
+    """Refuse lists of a mixture of unequal length, and parameters of a law that must increase and do not."""
+    weights, parts = (layers.table("diameter").get(key) for key in ("weights", "parts"))
     if isinstance(weights, list | tuple) and isinstance(parts, list | tuple) and len(weights) != len(parts):
         message = f"{len(weights)} weights for {len(parts)} parts"
         yield layers.problem(("diameter", "weights"), message, "one weight for each part")
+    for name, table in ((name, layers.table(name)) for name in ("diameter", "strength")):
+        entry = LAWS.get(str(table.get("law")))
+        for low, high in pairwise(entry.ascending if entry else ()):
+            least, most = table.get(low), table.get(high)
+            if isinstance(least, int | float) and isinstance(most, int | float) and most <= least:
+                yield layers.problem((name, high), f"must be larger than {name}.{low} = {least}")
 
 
 def _own_problems(layers: Layers, name: str, choice: str) -> Iterator[Problem]:
     """Refuse keys that the value of a choice does not take, naming the one that does, and report missing ones."""
-    table, takes, about = _table_or_empty(layers, name), OWN_KEYS[name, choice], keys_of(SECTIONS[name])[choice]
+    table, takes, about = layers.table(name), OWN_KEYS[name, choice], keys_of(SECTIONS[name])[choice]
     word = table.get(choice, about.default or about.sample)
     for key in dict.fromkeys(key for keys in takes.values() for key in keys) if word in [*takes] else ():
         instead = INSTEAD[word] if key == "spread" else next(other for other in takes if key in takes[other])
@@ -357,19 +332,3 @@ def _own_problems(layers: Layers, name: str, choice: str) -> Iterator[Problem]:
         if key in takes[word] and key not in table and key not in NOT_NEEDED:
             article = "an" if key[0] in "aeiou" else "a"
             yield missing(layers, (name, key), f'missing; the {choice} "{word}" needs {article} {key}')
-
-
-def _order_problems(layers: Layers, name: str) -> Iterator[Problem]:
-    """Refuse parameters that must increase from one to the next and do not."""
-    table = _table_or_empty(layers, name)
-    entry = LAWS.get(str(table.get("law")))
-    for low, high in pairwise(entry.ascending if entry else ()):
-        least, most = table.get(low), table.get(high)
-        if isinstance(least, int | float) and isinstance(most, int | float) and most <= least:
-            yield layers.problem((name, high), f"must be larger than {name}.{low} = {least}")
-
-
-def _table_or_empty(layers: Layers, name: str) -> dict[str, Any]:
-    """Return a table; an empty one if there is none, or if the key has another value."""
-    table = layers.data.get(name)
-    return table if isinstance(table, dict) else {}

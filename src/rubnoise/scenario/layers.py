@@ -2,7 +2,7 @@
 
 import os
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path as FilePath
@@ -12,13 +12,36 @@ import numpy as np
 
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.regular_file import NotRegular, read_at_most
-from rubnoise.scenario.shipped import by_name, shipped_names
+from rubnoise.scenario.shipped import shipped, shipped_names
 from rubnoise.scenario.text import FILE_BYTES, LINE_CHARACTERS, Path, Place, Places, Problem, Source, read_toml
 from rubnoise.units import is_of_pint
 
 EXTENDS_DEPTH: Final = 8
 _MOST_PARTS: Final = 4
 """Parts of the longest keys, those below sweep.grid."""
+
+DAMPINGS: Final = (("damping",), ("damping_ratio",))
+LOSSES: Final = (("restitution",), ("impact_damping",))
+"""Ways to say what a slider or a load that weighs loses: of first order, and in free motion, which may have both."""
+
+ALTERNATIVES: Final[Mapping[str, tuple[tuple[tuple[str, ...], ...], ...]]] = {
+    "interface": ((("mean_real_contact_area",), ("load", "hardness")), (("mean_junction_count",), ("patch_area",))),
+    "slider": (DAMPINGS,),
+}
+"""Ways to say one thing, by table: a scenario has exactly one of them, with all of its keys."""
+
+EITHER: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
+    **{
+        (table, key): tuple(other for other_way in ways if other_way != way for other in other_way)
+        for table, several in {**ALTERNATIVES, "load": (DAMPINGS, LOSSES)}.items()
+        for ways in several
+        for way in ways
+        for key in way
+    },
+    ("diameter", "values"): ("file", "column", "hash"),
+    **dict.fromkeys([("diameter", "file"), ("diameter", "column")], ("values", "hash")),
+}
+"""Other ways to say what a key says: a layer that has the key takes them out of the layers below."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +55,11 @@ class Layers:
     sources: tuple[Source, ...]
     data: dict[str, Any]
     problems: tuple[Problem, ...] = ()
+
+    def table(self, name: str) -> dict[str, Any]:
+        """Return a table; an empty one if there is none, or if the key has another value."""
+        table = self.data.get(name)
+        return table if isinstance(table, dict) else {}
 
     def source_of(self, path: Path) -> Source:
         """Return the topmost source with a key, or with the nearest table above it."""
@@ -63,11 +91,17 @@ class Layers:
         shown = place or self.value_place(path)
         return Problem(path=path, message=message, place=shown, hint=hint, severity=severity, forbids_run=forbids_run)
 
-    def topped(self, source: Source, *, without: str) -> "Layers":
-        """Return these layers with another one on top, and without a table."""
-        data = _merged(self.data, source.data)
-        kept = {key: value for key, value in data.items() if key != without}
-        return replace(self, sources=(*self.sources, source), data=kept)
+    def topped(self, source: Source) -> "Layers":
+        """Return these layers with another one on top."""
+        return replace(self, sources=(*self.sources, source), data=_laid(self.data, source.data))
+
+    def on(self, tables: Mapping[str, Any]) -> "Layers":
+        """Return these layers on top of tables, which fill in what they do not give."""
+        return replace(self, data=_laid(tables, self.data))
+
+    def without(self, *paths: Path) -> "Layers":
+        """Return these layers without some keys or tables."""
+        return replace(self, data=_without(self.data, paths))
 
 
 def from_file(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Layers:
@@ -82,17 +116,18 @@ def from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
     return _layered([source], refused if "extends" in source.data else [], overrides)
 
 
-def from_values(values: Mapping[str, Any], name: str) -> Layers:
-    """Return the one layer of values given in Python."""
-    nowhere, data = Place(source=name, line=0, text="", start=0, end=0), plain(values)
-    source = Source(name=name, kind="values", data=data, places={(): (nowhere, nowhere)})
-    return Layers(main=source, sources=(source,), data=dict(data))
+def from_values(name: str, *values: Mapping[str, Any]) -> Layers:
+    """Return the layers of values given in Python; in all but the first one None takes a key away."""
+    nowhere = Place(source=name, line=0, text="", start=0, end=0)
+    places: Places = {(): (nowhere, nowhere)}
+    sources = tuple(Source(name=name, kind="values", data=plain(each), places=places) for each in values)
+    return Layers(main=sources[0], sources=sources, data=reduce(_laid, (dict(each.data) for each in sources)))
 
 
 def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[str]) -> Layers:
     # In a report the requested file comes first, then what it extends, then the settings.
     sources = (*files, *(_setting(text, len(files) + n) for n, text in enumerate(overrides)))
-    merged: dict[str, Any] = reduce(_merged, (source.data for source in sources), {})
+    merged: dict[str, Any] = reduce(_laid, (source.data for source in sources), {})
     return Layers(
         main=files[-1],
         sources=sources,
@@ -154,7 +189,7 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
         try:
             # A base file is relative to the folder, or one that comes with rubnoise.
             beside = path.parent / base
-            path = by_name(base) if base in shipped_names() and not os.path.lexists(beside) else beside
+            path = shipped(base) if base in shipped_names() and not os.path.lexists(beside) else beside
             text = _text_of_file(path, base)
         except Refused as refusal:
             return sources, _not_extended(sources[0], str(refusal))
@@ -172,7 +207,6 @@ def _not_extended(source: Source, message: str) -> list[Problem]:
 
 
 def _text_of_file(path: FilePath, name: str) -> str:
-    """Return the text of a regular file within the limits; raises ScenarioRefused."""
     try:
         content = read_at_most(path, FILE_BYTES + 1)
     except NotRegular as error:
@@ -201,14 +235,29 @@ def plain(value: Any) -> Any:
     return value
 
 
+def _laid(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Return tables with those of another layer on top, without what this one says in another way."""
+    tables = {name: table for name, table in above.items() if isinstance(table, Mapping)}
+    said = {(name, key) for name, table in tables.items() for key, value in table.items() if value is not None}
+    anew = {(path[0], other) for path in said for other in EITHER.get(path, ())} - said
+    return _merged(_without(below, anew), above)
+
+
+def _without(data: Mapping[str, Any], paths: Collection[Path]) -> dict[str, Any]:
+    kept = {name: table for name, table in data.items() if (name,) not in paths}
+    tables = {name: table for name, table in kept.items() if isinstance(table, Mapping)}
+    return kept | {
+        name: {key: value for key, value in table.items() if (name, key) not in paths} for name, table in tables.items()
+    }
+
+
 def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """Return tables with those of another layer on top."""
     found = dict(below)
     for key, value in above.items():
         there = found.get(key)
         inside = there if isinstance(there, Mapping) else {}
         found[key] = _merged(inside, value) if isinstance(value, Mapping) else value
-    return found
+    return {key: value for key, value in found.items() if value is not None}
 
 
 def gives(data: Any, path: Path) -> bool:

@@ -3,7 +3,6 @@
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import fields, replace
 from hashlib import sha256
 from pathlib import Path as FilePath
@@ -17,7 +16,6 @@ from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
 from rubnoise.scenario.document import SECTIONS, TOP, Document
 from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
-from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.scenario import Scenario, sized
 from rubnoise.scenario.sweep_keys import SWEEP
@@ -41,8 +39,8 @@ def with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Pro
 
     If a result has the values, they must have the hash, and the file is not read again.
     """
-    table = given.data.get(_TABLE)
-    if not isinstance(table, dict) or not {"file", "column", "hash"} & table.keys():
+    table = given.table(_TABLE)
+    if table.keys().isdisjoint(("file", "column", "hash")):
         return given, []
     if "file" not in table:
         key = "column" if "column" in table else "hash"
@@ -78,7 +76,6 @@ def _refuse(path: str, _column: str | None) -> Sequence[float]:
 
 
 def _unlike(given: Layers, table: Mapping[str, Any]) -> list[Problem]:
-    """Refuse values that do not have the hash given with their file."""
     if "hash" not in table:
         return [given.problem((_TABLE, "values"), "both values and file are given", "keep exactly one of the two")]
     try:
@@ -111,7 +108,7 @@ def build(values: Mapping[str, Any], name: str = "<python>", read: ReadSizes | N
     Working units are um, um^2, um/s, kg, MPa, N/m and N s/m; ``read`` is as for `load`. Raises ScenarioRefused with
     every problem.
     """
-    return checked(layers.from_values(values, name), read, from_python=True)
+    return checked(layers.from_values(name, values), read, from_python=True)
 
 
 def stored(resolved: object, what: str = "the scenario in the file") -> Scenario:
@@ -163,6 +160,7 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, p
     if slider is not None and slider.coupling == "two-way" and slider.cells is None:
         values["slider"] = replace(slider, cells=CELLS)
     values["output"] = replace(document.output, tick=tick)
+    table, files = given.table(_TABLE), [source.name for source in given.sources if source.kind == "file"]
     return Scenario(
         **values,
         name=given.main.name,
@@ -171,15 +169,8 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, p
         too_large="\n".join(str(each) for each in in_order(problems) if each.forbids_run),
         physics=model,
         given=given.data,
-        files=_files(given),
+        files=(*files, str(_size_file(given, table))) if "file" in table else tuple(files),
     )
-
-
-def _files(given: Layers) -> tuple[str, ...]:
-    """Return the files that were read: the scenario, the files that it extends, and that of its diameters."""
-    table = given.data.get(_TABLE, {})
-    sizes = [str(_size_file(given, table))] if "file" in table else []
-    return *(source.name for source in given.sources if source.kind == "file"), *sizes
 
 
 def _size_file(given: Layers, table: Mapping[str, Any]) -> FilePath:
@@ -187,53 +178,23 @@ def _size_file(given: Layers, table: Mapping[str, Any]) -> FilePath:
     return FilePath(given.source_of((_TABLE, "file")).name).parent / table["file"]
 
 
-EITHER = {
-    (table, key): tuple(other for way in ways if key not in way for other in way)
-    for table, several in ALTERNATIVES.items()
-    for ways in several
-    for key in (key for way in ways for key in way)
-}
-EITHER |= {("diameter", "values"): ("file", "column", "hash")}
-EITHER |= {("diameter", key): ("values", "hash") for key in ("file", "column")}
-"""Other ways to say what a key says: setting it takes their keys away."""
-
-
 def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
     """Return a scenario with other values of some keys (see Scenario.replace)."""
     if unnamed := [name for name in changes if not isinstance(name, str)]:
         raise ScenarioRefused(f"replace: {unnamed[0]!r} is no name of a key")
-    values: dict[str, Any] = {"format": 1, **deepcopy(dict(scenario.given))}
     # The seed and the engine may have been changed since the file was read.
-    values["run"] = dict(scenario.resolved()["run"])
-    changed: dict[tuple[str, str], Any] = {}
-    for name, value in changes.items():
-        table, key = place_of(name, values, "replace", value)
-        if table or not isinstance(value, Mapping):
-            changed[table, key] = value
-        else:
-            values.setdefault(key, {})
-            changed |= {(key, inner): each for inner, each in value.items()}
+    below = {"format": 1, **scenario.given, "run": scenario.resolved()["run"]}
     above: dict[str, Any] = {}
-    for (table, key), value in changed.items():
-        inside = values
-        if table:
-            there = values.get(table)
-            if value is None and there is None:
-                continue
-            inside = values[table] = dict(there) if isinstance(there, Mapping) else {}
-        if value is None:
-            inside.pop(key, None)
-            continue
-        (above.setdefault(table, {}) if table else above)[key] = value
-        for other in EITHER.get((table, key), ()):
-            if (table, other) not in changed:
-                inside.pop(other, None)
-        inside[key] = value
-    given = layers.from_values(values, "<python>")
-    given = replace(given, sources=(given.main, layers.from_values(above, "<python>").main))
+    for name, value in changes.items():
+        table, key = place_of(name, {**below, **above}, "replace", value)
+        if table and (value is not None or table in below):
+            above[table] = {**(above.get(table) or {}), key: value}
+        elif not table:
+            above[key] = {**(above.get(key) or {}), **value} if isinstance(value, Mapping) else value
+    given = layers.from_values("<python>", below, above)
     # A quantity that is changed needs a unit, as in a file.
-    without_unit = keys.without_unit(given, changed.keys())
-    made = checked(given, from_python=True, more=without_unit)
+    changed = [(name, key) for name, table in above.items() if isinstance(table, Mapping) for key in table]
+    made = checked(given, from_python=True, more=keys.without_unit(given, changed))
     return replace(made, text=made.to_toml())
 
 

@@ -2,14 +2,13 @@
 
 import os
 from collections.abc import Mapping
-from copy import deepcopy
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from math import fsum, pi, sqrt
 from pathlib import Path as FilePath
-from typing import Any, Final, Literal, cast
+from typing import Any, Final, cast
 
-from rubnoise.contact.births import BIRTHS, BirthLaw
+from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.distributions import Law
 from rubnoise.contact.laws import LAWS, Spread, law_for
@@ -19,7 +18,6 @@ from rubnoise.model import CELLS, FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.scenario.fields import Section, keys_of, ratio_of
 from rubnoise.scenario.layers import Layers, gives
-from rubnoise.scenario.text import Path
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import LENGTH, RATIO, Quantity
 
@@ -237,58 +235,57 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
     interface, sliding, strength = document.interface, document.sliding, document.strength
     pulse = pulse_of(document.pulse.shape, document.pulse.offset)
     area, count = area_and_count(document)
-    held = _separation(document.load, interface) if document.load else None
-    free = None
-    if held is not None and document.load is not None and document.load.motion == "free":
-        growth = document.load.impact_damping
-        loss = None if growth is None else float(growth)
-        free = FreeSeparation(held=held, restitution=document.load.restitution, impact_damping=loss)
+    load, held, free = document.load, None, None
+    if load is not None:
+        held = _separation(load, interface)
+        loss = None if load.impact_damping is None else float(load.impact_damping)
+        free = FreeSeparation(held=held, restitution=load.restitution, impact_damping=loss)
     births = BIRTHS[document.birth.law]
     own = {each.name: float(getattr(document.birth, each.name)) for each in births.parameters}
     return Model(
         mean_real_contact_area=area,
         mean_junction_count=count,
-        calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
+        calibration=interface.calibration,
         calibrated_diameter=diameter,
         sizes=sizes_of(document, diameter),
-        births=cast(BirthLaw, births.make(mean_spacing=pulse.mean_life * diameter / count, **own)),
+        births=births.make(mean_spacing=pulse.mean_life * diameter / count, **own),
         strengths=law_for(float(strength.mean), spread_of(strength)) if strength else None,
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
-        start=cast(Literal["stationary", "empty"], sliding.start),
+        start=sliding.start,
         slider=_slider(document.slider, diameter) if document.slider else None,
         tick=float(tick),
         tick_count=sliding.distance.exact // tick.exact,  # as written: floats would lose the last tick now and then
         pulse=pulse,
         hardness=None if interface.hardness is None else float(interface.hardness),
-        separation=held if free is None else None,
-        free=free,
+        separation=held if load is not None and load.motion == "first-order" else None,
+        free=free if load is not None and load.motion == "free" else None,
     )
+
+
+def _damping(body: sections.Load | sections.Slider, stiffness: float) -> float:
+    """Return the damping in N s/m of a mass on a spring, as given or from its ratio."""
+    critical = 2.0 * sqrt(stiffness * float(body.mass))
+    return float(body.damping or 0.0) if body.damping_ratio is None else body.damping_ratio * critical
 
 
 def _separation(load: sections.Load, interface: sections.Interface) -> Separation:
     weight, hardness = (float(cast(Quantity, each)) for each in (interface.load, interface.hardness))
     height, mass = float(load.height_scale), float(load.mass)
-    critical = 2.0 * sqrt(weight / height * mass)
-    damping = float(load.damping or 0.0) if load.damping_ratio is None else load.damping_ratio * critical
+    damping = _damping(load, weight / height)
     return Separation(load=weight, hardness=hardness, height_scale=height, mass=mass, damping=damping)
 
 
 def _slider(slider: sections.Slider, diameter: float) -> Slider:
-    height = slider.asperity_height
-    mass, stiffness = float(slider.mass), float(slider.stiffness)
-    critical = 2.0 * sqrt(stiffness * mass)
-    ratio = slider.damping_ratio
-    damping = float(slider.damping or 0.0) if ratio is None else ratio * critical
-    start = cast(Literal["equilibrium", "rest"], slider.start)
+    height, stiffness = slider.asperity_height, float(slider.stiffness)
     return Slider(
-        mass=mass,
+        mass=float(slider.mass),
         stiffness=stiffness,
-        damping=damping,
-        start=start,
-        coupling=cast(Literal["one-way", "two-way"], slider.coupling),
+        damping=_damping(slider, stiffness),
+        start=slider.start,
+        coupling=slider.coupling,
         cells=slider.cells or CELLS,
-        excitation=cast(Literal["friction", "base", "velocity-weakening"], slider.excitation or "friction"),
+        excitation=slider.excitation or "friction",
         asperity_height=0.0 if height is None else float(height) / (1.0 if height.kind == RATIO else diameter),
         slope=float(slider.slope or 0.0),
     )
@@ -297,22 +294,13 @@ def _slider(slider: sections.Slider, diameter: float) -> Slider:
 RAYLEIGH: Final = 100.0 * sqrt(4.0 / pi - 1.0)
 """Standard deviation over mean of Rayleigh sizes, in %: with it the Weibull law has the shape 2."""
 
-CONTACT: Final[dict[Path, str]] = {
-    ("interface", "calibration"): "matched",
-    ("diameter", "law"): "weibull",
-    ("diameter", "spread"): f"{RAYLEIGH!r} %",
-    ("birth", "law"): "poisson",
-    ("pulse", "shape"): "parabola",
-    ("pulse", "offset"): "none",
+CONTACT: Final[Mapping[str, Mapping[str, str]]] = {
+    "interface": {"calibration": "matched"},
+    "diameter": {"law": "weibull", "spread": f"{RAYLEIGH!r} %"},
+    "birth": {"law": "poisson"},
+    "pulse": {"shape": "parabola", "offset": "none"},
 }
 """The contact of exponential heights: paraboloids of Rayleigh sizes that meet at random (Greenwood and Williamson)."""
-
-FREE_MOTION: Final = ("restitution", "impact_damping")
-"""Keys of a slider that leaves its contact."""
-
-
-AREA_KEYS: Final = ("mean_real_contact_area", "load", "hardness", "patch_area")
-"""Keys of the interface for which a mean diameter stands."""
 
 
 def sized(layers: Layers) -> Layers:
@@ -320,35 +308,26 @@ def sized(layers: Layers) -> Layers:
 
     Beside a count one of them is enough. A load that weighs needs its load, so there the count goes.
     """
-    interface, diameter = (layers.data.get(name) for name in ("interface", "diameter"))
-    if not isinstance(interface, dict) or not isinstance(diameter, dict) or "mean" not in diameter:
+    mean, count, patch = ("diameter", "mean"), ("interface", "mean_junction_count"), ("interface", "patch_area")
+    keys = [("interface", key) for key in ("mean_real_contact_area", "load", "hardness", "patch_area")]
+    areas = [path for path in keys if gives(layers.data, path)]
+    counted = gives(layers.data, count) or patch in areas
+    if not (areas and counted and gives(layers.data, mean)):
         return layers
-    areas = [key for key in AREA_KEYS if key in interface]
-    if not areas or not ("mean_junction_count" in interface or "patch_area" in areas):
+    said, *ranks = (layers.sources.index(layers.source_of(path)) for path in (mean, *areas))
+    if said == max(ranks):
         return layers
-    ranks = {id(source): rank for rank, source in enumerate(layers.sources)}
-    mean = ranks[id(layers.source_of(("diameter", "mean")))]
-    area = max(ranks[id(layers.source_of(("interface", key)))] for key in areas)
-    if mean == area:
-        return layers
-    dropped = ("mean_junction_count", "patch_area") if "load" in layers.data else (*areas, "calibration")
-    data = deepcopy(layers.data)
-    for key in dropped if mean > area else ():
-        data["interface"].pop(key, None)
-    if area > mean:
-        del data["diameter"]["mean"]
-    return replace(layers, data=data)
+    other = (count, patch) if "load" in layers.data else (*areas, ("interface", "calibration"))
+    return layers.without(mean) if said < max(ranks) else layers.without(*other)
 
 
 def completed(layers: Layers) -> Layers:
     """Return layers with the default contact for a table [load], if the file does not give it."""
     if not isinstance(layers.data.get("load"), dict):
         return layers
-    data = deepcopy(layers.data)
-    for (table, key), value in CONTACT.items():
-        given = data.setdefault(str(table), {})
-        if key == "calibration" and gives(data, ("diameter", "mean")):
-            continue
-        if isinstance(given, dict) and (key != "spread" or given.get("law") == CONTACT["diameter", "law"]):
-            given.setdefault(str(key), value)
-    return replace(layers, data=data)
+    law, contact = CONTACT["diameter"]["law"], dict(CONTACT)
+    if gives(layers.data, ("diameter", "mean")):
+        del contact["interface"]
+    if layers.table("diameter").get("law", law) != law:
+        del contact["diameter"]
+    return layers.on(contact)

@@ -57,40 +57,26 @@ class Point:
 
 
 def points_of(cases: Iterable[Case], replicates: int, first: int = 0) -> tuple[Point, ...]:
-    """Return the runs of every case from replicate ``first`` on, the replicates of a case one after another."""
+    """Return the runs of every case from replicate ``first`` on, the replicates of a case one after another.
+
+    The seed of a replicate is 53 bits from the seed in the scenario and the physics of the scenario. It does not depend
+    on the order of points, on the other swept values, on output and title, or on the coupling: one-way and two-way
+    sliders meet the same junctions. From numpy's SeedSequence, whose numbers are the same in every version (O'Neill's
+    seed_seq_fe).
+    """
     found = []
     for case in cases:
         scenario, resolved = case.scenario, case.scenario.resolved()
-        words = _seed_words(resolved)
+        slider = {key: value for key, value in resolved.get("slider", {}).items() if key not in _NOT_THE_FIELD}
+        digest = sha256(canonical({**resolved, "slider": slider}, without=_NOT_THE_CONTACT)).digest()
+        words = np.frombuffer(digest, ">u4").tolist()
         for replicate in range(first, replicates):
-            seed = _derived(scenario.run.seed, words, replicate)
-            found.append(
-                Point(
-                    values=case.values,
-                    replicate=replicate,
-                    run_id=name_of(resolved, seed),
-                    seed=seed,
-                    scenario=replace(scenario, run=replace(scenario.run, seed=seed)),
-                )
-            )
+            sequence = np.random.SeedSequence(scenario.run.seed, spawn_key=(*words, replicate))
+            seed = int(sequence.generate_state(1, np.uint64)[0]) >> 11
+            seeded = replace(scenario, run=replace(scenario.run, seed=seed))
+            name = name_of(resolved, seed)
+            found.append(Point(values=case.values, replicate=replicate, run_id=name, seed=seed, scenario=seeded))
     return tuple(found)
-
-
-def _seed_words(resolved: Mapping[str, Any]) -> tuple[int, ...]:
-    slider = {key: value for key, value in (resolved.get("slider") or {}).items() if key not in _NOT_THE_FIELD}
-    digest = sha256(canonical({**resolved, "slider": slider}, without=_NOT_THE_CONTACT)).digest()
-    return tuple(int.from_bytes(digest[at : at + 4], "big") for at in range(0, len(digest), 4))
-
-
-def _derived(seed: int, words: tuple[int, ...], replicate: int) -> int:
-    """Return the seed of a replicate: 53 bits from the seed in the scenario and the physics of the scenario.
-
-    It does not depend on the order of points, on the other swept values, on output and title, or on the coupling:
-    one-way and two-way sliders meet the same junctions. From numpy's SeedSequence, whose numbers are the same in every
-    version (O'Neill's seed_seq_fe).
-    """
-    sequence = np.random.SeedSequence(seed, spawn_key=(*words, replicate))
-    return int(sequence.generate_state(1, np.uint64)[0]) >> 11
 
 
 def run_id(scenario: Scenario) -> str:
@@ -110,27 +96,19 @@ def canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
     Defaults are left out so that a key of a later version, with its default, changes no name and no seed. A calibration
     is left out if it is exact, the first default, or does what exact does: matched, for equal diameters.
     """
-    resolved = {
-        name: _without_defaults(name, value) if isinstance(value, dict) else value
-        for name, value in _without_calibration(resolved).items()
-        if name not in without
-    }
-    kept = {name: value for name, value in resolved.items() if value != {}}
+    left_out = {"exact", "matched"} if resolved["diameter"]["law"] == "fixed" else {"exact"}
+    kept = {}
+    for name, value in resolved.items():
+        inside = value
+        if isinstance(value, dict):
+            known = keys_of(SECTIONS[name])
+            inside = {key: each for key, each in value.items() if key not in _NOT_THE_SIZES}
+            inside = {key: each for key, each in inside.items() if key == "calibration" or each != known[key].default}
+        if name == "interface" and inside.get("calibration") in left_out:
+            del inside["calibration"]
+        if name not in without and inside != {}:
+            kept[name] = inside
     return json.dumps(kept, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()
-
-
-def _without_defaults(section: str, table: dict[str, Any]) -> dict[str, Any]:
-    fields, left_out = keys_of(SECTIONS[section]), _NOT_THE_SIZES if section == "diameter" else ()
-    kept = {key: value for key, value in table.items() if key not in left_out}
-    return {key: value for key, value in kept.items() if key == "calibration" or value != fields[key].default}
-
-
-def _without_calibration(resolved: Mapping[str, Any]) -> Mapping[str, Any]:
-    interface = resolved["interface"]
-    same_as_exact = {"exact", "matched"} if resolved["diameter"]["law"] == "fixed" else {"exact"}
-    if interface.get("calibration", "exact") not in same_as_exact:
-        return resolved
-    return {**resolved, "interface": {key: value for key, value in interface.items() if key != "calibration"}}
 
 
 _NUMBERS = re.compile(r"[0-9][0-9.,e+-]*")
@@ -264,7 +242,7 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
     points: list[Examined] = []
     for indices in islice(table.choices(), _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None):
         values, source = point_source(given, table, indices)
-        points.append((values, *examined(given.topped(source, without=SWEEP), read)))
+        points.append((values, *examined(given.topped(source).without((SWEEP,)), read)))
     # What is missing may be meant by a key of the sweep that is not right yet.
     found = [problem for problem in gathered(points) if not (wrong and problem.is_missing)]
     problems = [*given.problems, *wrong, *found]
@@ -300,7 +278,6 @@ def _repeated(given: Layers, cases: Sequence[Case]) -> Iterator[Problem]:
 
 
 def _without_quantity(given: Layers, settings: Sweeping, cases: Sequence[Case]) -> Iterator[Problem]:
-    """Refuse a precision of a quantity that a point does not have."""
     if settings.precision is None:
         return
     name, about = settings.quantity, QUANTITIES[settings.quantity]

@@ -20,18 +20,7 @@ SWEEP_POINTS: Final = 10_000
 _ONLY_WITH_PRECISION: Final = ("quantity", "most_replicates")
 
 
-def _settings(layers: Layers, table: Mapping[str, Any], problems: list[Problem]) -> Sweeping:
-    """Return the settings of a `[sweep]` table, with defaults in place of invalid values, which join the problems."""
-    wrong: list[Problem] = []
-    settings = Sweeping(**keys.values_of(keys_of(Sweeping), layers, (SWEEP,), table, wrong))
-    if settings.precision is not None and "replicates" not in table:
-        settings = replace(settings, replicates=FEWEST)
-    problems += wrong or _at_odds(layers, table, settings)
-    return settings
-
-
 def _at_odds(layers: Layers, table: Mapping[str, Any], settings: Sweeping) -> Iterator[Problem]:
-    """Yield the problems of combinations of keys."""
     if settings.precision is None:
         for key in _ONLY_WITH_PRECISION:
             if key in table:
@@ -45,10 +34,7 @@ def _at_odds(layers: Layers, table: Mapping[str, Any], settings: Sweeping) -> It
         yield layers.problem((SWEEP, "most_replicates"), "fewer than the replicates to begin with", hint)
 
 
-NOT_SWEPT: dict[Path, str] = {
-    ("run", "seed"): "seeds follow from run.seed, the point and the replicate; replicates = 4 makes four of each",
-}
-"""Keys that no sweep varies, and why."""
+_SEED: Final = ("run", "seed")  # the one key that no sweep varies
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,22 +85,26 @@ def read_table(layers: Layers) -> tuple[Table, list[Problem]]:
     table = layers.data[SWEEP]
     if not isinstance(table, dict):
         return Table(), [layers.problem((SWEEP,), "needs a table", "a line [sweep] with its keys below")]
-    problems = [keys.unknown(layers, (SWEEP, name)) for name in table if name not in keys.KNOWN[SWEEP]]
-    settings = _settings(layers, table, problems)
+    wrong: list[Problem] = []
+    settings = Sweeping(**keys.values_of(keys_of(Sweeping), layers, (SWEEP,), table, wrong))
+    if settings.precision is not None and "replicates" not in table:
+        settings = replace(settings, replicates=FEWEST)
+    problems = [*wrong, *(_at_odds(layers, table, settings) if not wrong else ())]
+    problems += [keys.unknown(layers, (SWEEP, name)) for name in table if name not in keys.KNOWN[SWEEP]]
     axes: list[Axis] = []
     for name in (GRID, ZIP):
         found = list(_keys(layers, name, table.get(name, {})))
         problems += [each for each in found if isinstance(each, Problem)]
-        axes += _as_written(layers, [each for each in found if isinstance(each, Axis)])
+        swept = [each for each in found if isinstance(each, Axis)]
+        axes += sorted(swept, key=lambda axis: _position(layers, axis.swept_path))
     read = Table(axes=tuple(axes), settings=settings)
-    problems += [*_lengths(layers, read), *_doubles(layers, read), *_overruled(layers, read)]
+    problems += _axes_at_odds(layers, read)
     return read, problems or list(_excess(layers, read))
 
 
 def known_keys() -> tuple[str, ...]:
     """Return every key that may be swept, with dots."""
-    paths = ((name, key) for name in SECTIONS for key in keys.KNOWN[name])
-    return tuple(".".join(path) for path in paths if path not in NOT_SWEPT)
+    return tuple(f"{name}.{key}" for name in SECTIONS for key in keys.KNOWN[name] if (name, key) != _SEED)
 
 
 def _keys(layers: Layers, name: str, table: Any) -> Iterator[Axis | Problem]:
@@ -131,8 +121,9 @@ def _keys(layers: Layers, name: str, table: Any) -> Iterator[Axis | Problem]:
 def _axis(layers: Layers, name: str, path: Path, values: Any) -> Axis | Problem:
     place = (SWEEP, name, *path)
     key = ".".join(map(str, path))
-    if path in NOT_SWEPT:
-        return layers.problem(place, "is not swept", NOT_SWEPT[path], place=layers.key_place(place))
+    if path == _SEED:
+        hint = "seeds follow from run.seed, the point and the replicate; replicates = 4 makes four of each"
+        return layers.problem(place, "is not swept", hint, place=layers.key_place(place))
     if len(path) == 1 or path[1] not in keys.KNOWN[str(path[0])]:
         return layers.problem(place, "unknown key", _suggestion(key), place=layers.key_place(place))
     if not isinstance(values, list):
@@ -150,38 +141,27 @@ def _suggestion(key: str) -> str:
     return nearest or "a key of a scenario with its table, such as interface.mean_junction_count"
 
 
-def _as_written(layers: Layers, axes: list[Axis]) -> tuple[Axis, ...]:
-    """Return axes in the order of the text, which differs from the data's if a dotted key comes back to a table.
+def _position(layers: Layers, path: Path) -> tuple[int, int, int]:
+    """Return where a key is first named: data have another order if a dotted key comes back to a table.
 
-    A key that a base file names keeps its place when its values are changed.
+    So a key that a base file names keeps its place when its values are changed.
     """
-
-    def position(axis: Axis) -> tuple[int, int, int]:
-        source = next((each for each in layers.sources if gives(each.data, axis.swept_path)), layers.main)
-        place = source.key_place(axis.swept_path)
-        return layers.sources.index(source), place.line, place.start
-
-    return tuple(sorted(axes, key=position))
+    rank, source = next((rank, each) for rank, each in enumerate(layers.sources) if gives(each.data, path))
+    place = source.key_place(path)
+    return rank, place.line, place.start
 
 
-def _lengths(layers: Layers, table: Table) -> Iterator[Problem]:
-    for axis in table.side_by_side[1:]:
+def _axes_at_odds(layers: Layers, table: Table) -> Iterator[Problem]:
+    """Refuse unequal lists in parallel, keys swept twice, and a `--set` of a key that the sweep sets at every point."""
+    gridded = {axis.path for axis in table.axes if axis.table == GRID}
+    for axis in table.side_by_side:
         first = table.side_by_side[0]
         if len(axis.values) != len(first.values):
             message = f"{len(axis.values)} values beside the {len(first.values)} of {first.key}"
             yield layers.problem(axis.swept_path, message, "lists of [sweep.zip] go in parallel and need equal length")
-
-
-def _doubles(layers: Layers, table: Table) -> Iterator[Problem]:
-    gridded = {axis.path for axis in table.axes if axis.table == GRID}
-    for axis in table.side_by_side:
         if axis.path in gridded:
             message, place = "swept in [sweep.grid] and in [sweep.zip]", layers.key_place(axis.swept_path)
             yield layers.problem(axis.swept_path, message, "keep one of the two", place=place)
-
-
-def _overruled(layers: Layers, table: Table) -> Iterator[Problem]:
-    """Refuse a `--set` of a key that the sweep sets at every point."""
     for axis in table.axes:
         source = layers.source_of(axis.path)
         if source.kind == "setting" and gives(source.data, axis.path):

@@ -238,20 +238,19 @@ class _Lines:
 
     @cached_property
     def _named(self) -> list[tuple[Path, Place, Place]]:
-        return list(self._headers_and_settings())
-
-    def _headers_and_settings(self) -> Iterator[tuple[Path, Place, Place]]:
-        """Yield what each header and each setting names, and the places of key and value."""
+        """What each header and each setting names, and the places of key and value."""
+        found: list[tuple[Path, Place, Place]] = []
         table: Path = ()
         for number, line in enumerate(self.lines, 1):
-            if found := _HEADER.match(line):
-                table = _parts(found["key"])
-                place = self.on(number, *found.span("key"))
-                yield table, place, place
-            elif found := _SETTING.match(line):
-                start, value = found.start("value"), found["value"].rstrip()
-                key = self.on(number, *found.span("key"))
-                yield (*table, *_parts(found["key"])), key, self.on(number, start, start + len(value))
+            if seen := _HEADER.match(line):
+                table = _parts(seen["key"])
+                place = self.on(number, *seen.span("key"))
+                found.append((table, place, place))
+            elif seen := _SETTING.match(line):
+                start, value = seen.start("value"), seen["value"].rstrip()
+                key = self.on(number, *seen.span("key"))
+                found.append(((*table, *_parts(seen["key"])), key, self.on(number, start, start + len(value))))
+        return found
 
 
 def _parts(dotted: str) -> Path:

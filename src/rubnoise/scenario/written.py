@@ -22,8 +22,9 @@ from rubnoise.scenario.fields import (
     Sizes,
     keys_of,
 )
-from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, GRID, LOSSES
-from rubnoise.scenario.shipped import by_name
+from rubnoise.scenario.keys import GRID
+from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES
+from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
 from rubnoise.scenario.sweep_table import known_keys
 from rubnoise.scenario.text import text_of, toml_value
@@ -73,7 +74,6 @@ def _section_lines(name: str, section: type[Section]) -> Iterator[str]:
 
 
 def _sweep() -> Iterator[str]:
-    """Yield the table [sweep] as a comment, with an example of swept keys."""
     yield from _comment(f"{Sweeping.__doc__} This table is optional; `rubnoise sweep` makes the runs.")
     yield f"#[{SWEEP}]"
     for key, about in keys_of(Sweeping).items():
@@ -84,16 +84,11 @@ def _sweep() -> Iterator[str]:
 
 
 def _key(key: str, about: Key, *, off: bool = False) -> Iterator[str]:
-    need = "Needed." if about.is_needed else ""
-    yield from _comment(" ".join(filter(None, (about.about, _choices(about), need, about.remark))))
-    yield f"{'#' if off else ''}{key} = {toml_value(about.sample if about.default is None else about.default)}"
-
-
-def _choices(about: Key) -> str:
-    """Return the words of a choice, if its description does not name all of them."""
     words = about.kind.available if isinstance(about.kind, Choice) else ()
-    missing = [word for word in words if word not in about.about]
-    return f"One of {', '.join(words)}." if missing else ""
+    choices = "" if all(word in about.about for word in words) else f"One of {', '.join(words)}."
+    need = "Needed." if about.is_needed else ""
+    yield from _comment(" ".join(filter(None, (about.about, choices, need, about.remark))))
+    yield f"{'#' if off else ''}{key} = {toml_value(about.sample if about.default is None else about.default)}"
 
 
 def _comment(text: str) -> list[str]:
@@ -105,7 +100,7 @@ def copy_of(name: str) -> str:
 
     Raises Refused, with near names, for an unknown name.
     """
-    path = by_name(name)
+    path = shipped(name)
     text = path.read_text(encoding="utf-8")
     if "extends" in tomllib.loads(text):
         comments = [f"{line}\n" for line in text.splitlines() if line.startswith("# ")]
@@ -124,7 +119,6 @@ def json_schema() -> dict[str, Any]:
 
     Required keys may be missing in a file that extends another, or that sweeps them; other files must have them.
     """
-    needed = {name: [key for key, about in keys_of(kind).items() if about.is_needed] for name, kind in SECTIONS.items()}
     return {
         "$schema": _DIALECT,
         "$defs": {kind.__name__: _table(kind) for kind in sorted(SECTIONS.values(), key=lambda each: each.__name__)},
@@ -137,10 +131,7 @@ def json_schema() -> dict[str, Any]:
         },
         "required": ["format"],
         "if": {"not": {"anyOf": [{"required": ["extends"]}, {"required": [SWEEP]}]}},
-        "then": _complete(
-            [name for name in SECTIONS if presence(name) == "needed"],
-            {name: keys for name, keys in needed.items() if keys},
-        ),
+        "then": _complete(),
     }
 
 
@@ -154,7 +145,6 @@ def _properties(keys: Mapping[str, Key]) -> dict[str, Any]:
 
 
 def _schema(kind: Field) -> dict[str, Any]:
-    """Return what may stand for a key."""
     size = {"type": ["number", "string"]}
     if isinstance(kind, Measure):
         return {"type": "string", "pattern": rf"^\s*{NUMBER} *\S.*$", "examples": [each.example for each in kind.kinds]}
@@ -172,29 +162,28 @@ def _schema(kind: Field) -> dict[str, Any]:
 
 
 def _sweep_table() -> dict[str, Any]:
-    properties = {
-        **_properties(keys_of(Sweeping)),
-        "grid": _lists() | {"description": "Lists of values; every combination is a point."},
-        "zip": _lists() | {"description": "Lists of equal length, in parallel."},
-    }
-    return _object_with(properties) | {"description": "Many runs from one file: the values that vary."}
-
-
-def _lists() -> dict[str, Any]:
-    """Return the tables of a scenario with a list of values for every key."""
+    """Return the table [sweep]; grid and zip have a list of values for every key of a scenario."""
     tables: dict[str, dict[str, Any]] = {name: {} for name in SECTIONS}
     for name, key in (known.split(".") for known in known_keys()):
         items = {"$ref": f"#/$defs/{SECTIONS[name].__name__}/properties/{key}"}
         tables[name][key] = {"type": "array", "minItems": 1, "items": items}
-    return _object_with({name: _object_with(keys) for name, keys in tables.items() if keys})
+    lists = _object_with({name: _object_with(keys) for name, keys in tables.items()})
+    properties = {
+        **_properties(keys_of(Sweeping)),
+        "grid": lists | {"description": "Lists of values; every combination is a point."},
+        "zip": lists | {"description": "Lists of equal length, in parallel."},
+    }
+    return _object_with(properties) | {"description": "Many runs from one file: the values that vary."}
 
 
 def _object_with(properties: dict[str, Any]) -> dict[str, Any]:
     return {"type": "object", "additionalProperties": False, "properties": properties}
 
 
-def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, Any]:
-    properties: dict[str, Any] = {name: {"required": keys} for name, keys in needed.items()}
+def _complete() -> dict[str, Any]:
+    """Return what a file that is complete in itself must have."""
+    needed = {name: [key for key, about in keys_of(kind).items() if about.is_needed] for name, kind in SECTIONS.items()}
+    properties: dict[str, Any] = {name: {"required": keys} for name, keys in needed.items() if keys}
     for name, several in ALTERNATIVES.items():
         properties[name] = properties.get(name, {}) | {"allOf": [_one_of(each) for each in several]}
     properties["load"] |= {
@@ -208,7 +197,7 @@ def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, An
     areas, counts = ALTERNATIVES["interface"]
     with_mean = _one_of((*areas, counts[0])) | {"not": {"anyOf": [{"required": [each]} for each in _NO_MEAN]}}
     return {
-        "required": required,
+        "required": [name for name in SECTIONS if presence(name) == "needed"],
         "properties": properties,
         "dependentSchemas": dependent,
         "if": {"properties": {"diameter": {"required": ["mean"]}}, "required": ["diameter"]},
