@@ -181,9 +181,9 @@ def test_a_signal_stops_a_sweep_that_can_be_resumed(file: Path, number: signal.S
 
 BEFORE = """
 import signal
-from rubnoise.cli.progress import watching_sweep
+from rubnoise.cli.progress import stoppable_bar
 signal.signal(signal.SIGINT, signal.SIG_DFL)
-with watching_sweep(shown=False):
+with stoppable_bar(shown=False):
     signal.raise_signal(signal.{name})
 print("still there")
 """

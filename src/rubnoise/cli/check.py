@@ -13,6 +13,7 @@ import typer
 from rubnoise.answer import Answer, Table, rows
 from rubnoise.cli.layout import sentence, show
 from rubnoise.cli.options import AsJson, Changes, argument, option
+from rubnoise.cli.vocabulary import UNITS
 from rubnoise.errors import OutputRefused, RubnoiseError
 
 if TYPE_CHECKING:
@@ -54,22 +55,22 @@ def check(
 def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, Answer]:
     """Return the group of the answer for a file, and the answer."""
     from rubnoise.cli import derivation
-    from rubnoise.cli.loading import scenario_or_sweep
+    from rubnoise.cli.loading import loaded
     from rubnoise.scenario import Scenario
+    from rubnoise.scenario.sweep import load_either
+    from rubnoise.storage.forecast import counted
 
-    found = scenario_or_sweep(file, changes, quiet=quiet)
+    found = loaded(load_either, file, changes, quiet=quiet)
     title = f"{file}: ok" + (f": {found.title}" if found.title else "")
     if not isinstance(found, Scenario):
         return "sweeps", sweep_answer(found, title, warned=not quiet)
     known = derivation.derived(found, title, warned=not quiet)
     notes = (*known.notes, *derivation.missing_resources(found, file))
-    return "scenarios", replace(known, rows=(*known.rows, *derivation.cost(found)), notes=notes)
+    return "scenarios", replace(known, rows=(*known.rows, *derivation.cost(counted(found))), notes=notes)
 
 
 MOST_ROWS: Final = 100
 """Points that text lists."""
-
-UNITS: Final = {"calibrated_diameter": "um", "real_contact_area_mean": "um^2", "real_contact_area_std": "um^2"}
 
 
 def sweep_answer(sweep: "Sweep", title: str, *, warned: bool) -> Answer:

@@ -11,7 +11,8 @@ import typer
 from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile, argument, flag, option
-from rubnoise.cli.plot import check_picture, write_picture
+from rubnoise.cli.plot import check_picture, check_plot, write_picture
+from rubnoise.cli.vocabulary import UNITS, fields_of, named
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
@@ -70,10 +71,7 @@ def command(
     chosen = {"--where": where, "--sort": sort, "--reverse": reverse or None, "--head": head, "--columns": columns}
     if given := [name for name, value in chosen.items() if value is not None and number is not None]:
         raise typer.BadParameter(f"{given[0]} is for a list, not for one junction")
-    if as_csv + as_json + plot > 1:
-        raise typer.BadParameter("only one of --csv, --json and --plot")
-    if not plot and (picture is not None or force):
-        raise typer.BadParameter(f"{picture or '--force'} is for --plot")
+    check_plot(picture, plot=plot, as_csv=as_csv, as_json=as_json, force=force)
     if plot and number is None:
         raise typer.BadParameter("--plot is for one junction: rubnoise junctions RUN.h5 N")
     if picture is not None and picture.suffix.lower() != ".png":
@@ -88,7 +86,12 @@ def command(
             if brief and more:
                 print(f"\n  and {more:,} more (--head N for more, --csv for all)")
         elif plot:
-            _draw(life_of(run, row), file, picture or Path(f"{file.stem}_junction{row}.png"), force=force)
+            from rubnoise.figures.contact import draw_life
+
+            path = picture or Path(f"{file.stem}_junction{row}.png")
+            life = life_of(run, row)
+            check_picture(path, force=force, reads=[file])
+            write_picture(path, lambda: draw_life(life, printable(file.name)), force=force)
         else:
             show(life_answer(life_of(run, row), file, as_csv=as_csv), as_json=as_json, as_csv=as_csv)
 
@@ -182,7 +185,6 @@ def _column_named(name: str, option: str, there: "Sequence[Dataset]") -> "Datase
 
 # One life.
 
-UNITS = {"distance": "um", "time": "s", "area": "um^2", "force": "uN"}
 STATES = {
     "alive_at_start": "alive at the start",
     "alive_at_end": "alive at the end",
@@ -228,34 +230,25 @@ def _row_of(life: "Life") -> Iterator[Row]:
         elif not 0.0 <= distance <= life.record_end:
             after = "before the start" if distance < 0.0 else "after the end"
         yield from rows("junction", (f"{name}_distance", distance, "um", after), (f"{name}_time", _number(time), "s"))
-    yield from rows(
-        "junction",
-        ("life_distance", life.life_distance, "um"),
-        ("diameter", life.diameter, "um"),
-        ("lateral_offset", life.lateral_offset, "um"),
-        ("max_area", life.max_area, "um^2"),
-        ("shear_strength", life.shear_strength, "MPa"),
-    )
+    yield from named("junction", fields_of(life, "life_distance diameter lateral_offset max_area shear_strength"))
 
 
 def _number(time: Any) -> float | None:
     return None if time is None else float(time)
 
 
-def _peak(life: "Life") -> Iterator[Row]:
-    """Yield the contact where the area of this junction is largest, and who was alive there."""
-    return rows(
-        "peak",
-        ("distance", life.peak_distance, "um", _occasion(life)),
-        ("time", _number(life.time(life.peak_distance)), "s"),
-        ("area", life.peak_area, "um^2"),
-        ("real_contact_area", life.real_contact_area, "um^2"),
-        ("area_share", life.area_share),
-        ("force", life.peak_force, "uN"),
-        ("friction_force", life.friction_force, "uN"),
-        ("force_share", life.force_share),
-        ("others_alive", life.beside.rows.tolist(), "", "row numbers"),
-    )
+def _peak(life: "Life") -> list[Row]:
+    """Return the contact where the area of this junction is largest, and who was alive there."""
+    known = {
+        "distance": life.peak_distance,
+        "time": _number(life.time(life.peak_distance)),
+        "area": life.peak_area,
+        **fields_of(life, "real_contact_area area_share"),
+        "force": life.peak_force,
+        **fields_of(life, "friction_force force_share"),
+        "others_alive": life.beside.rows.tolist(),
+    }
+    return named("peak", known, {"distance": _occasion(life), "others_alive": "row numbers"})
 
 
 def _occasion(life: "Life") -> str:
@@ -264,10 +257,3 @@ def _occasion(life: "Life") -> str:
     if life.peak_distance == life.death_distance:
         return "just before it was ended"
     return f"largest in the record, at the {'end' if life.peak_distance == life.record_end else 'start'}"
-
-
-def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:
-    from rubnoise.figures.contact import draw_life
-
-    check_picture(path, force=force, reads=[file])
-    write_picture(path, lambda: draw_life(life, printable(file.name)), force=force)

@@ -16,7 +16,7 @@ from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.layers import OptionOverride, override_value
 from rubnoise.scenario.reading import in_full
 from rubnoise.scenario.shipped import named
-from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
+from rubnoise.scenario.sweep import Sweep
 
 if TYPE_CHECKING:
     from rubnoise.storage.reader import RunFile
@@ -55,22 +55,11 @@ def _listed(text: str) -> list[float | str]:
     return [f"{part} {unit}" if with_unit and NUMBER.fullmatch(part) else override_value(part) for part in parts]
 
 
-def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
-    """Load a scenario, from a file or by its shipped name, and print its warnings; raises ScenarioRefused."""
-    return _loaded(load, file, changes, quiet=quiet)
+def loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Loaded:
+    """Read a scenario or a sweep, from a file or by its shipped name, and print its warnings; raises ScenarioRefused.
 
-
-def sweep_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Sweep:
-    """Load a sweep and print its warnings; raises ScenarioRefused, also for the file of a single run."""
-    return _loaded(load_sweep, file, changes, quiet=quiet)
-
-
-def scenario_or_sweep(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario | Sweep:
-    """Load a scenario or a sweep, whichever a file is, and print its warnings; raises ScenarioRefused."""
-    return _loaded(load_either, file, changes, quiet=quiet)
-
-
-def _loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str], *, quiet: bool) -> Loaded:
+    ``read`` says which: `load`, `load_sweep`, or `load_either`.
+    """
     file = named(file)
     if is_result(file):
         raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
@@ -84,7 +73,7 @@ def _loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str], *, 
 def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
     """Load a scenario, or take that of a result; raises Refused for changes to the scenario of a result."""
     if not is_result(file):
-        return scenario_of(file, changes, quiet=quiet)
+        return loaded(load, file, changes, quiet=quiet)
     if changes:
         raise Refused(f"{file}: is a result, whose scenario --set can't change any more")
     with rubnoise.open(file) as run:

@@ -152,14 +152,15 @@ def report_page(file: Path) -> str:
 
 def lesson_page(source: Path) -> str:
     """Return a lesson about a scenario; of a finished result its junctions are replayed."""
-    from rubnoise.cli.loading import finished_run, is_result, scenario_of
+    from rubnoise.cli.loading import finished_run, is_result, loaded
     from rubnoise.lesson.page import page, record_of
     from rubnoise.lesson.settings import settings_of
+    from rubnoise.scenario import load
 
     record = None
     if is_result(source):
         with finished_run(source), rubnoise.open(source) as run:
             scenario, record = run.scenario, record_of(run)
     else:
-        scenario = scenario_of(source)
+        scenario = loaded(load, source)
     return page(scenario.title or source.stem, settings_of(scenario), record)

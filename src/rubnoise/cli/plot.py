@@ -209,3 +209,11 @@ def write_picture(path: Path, draw: "Callable[[], Figure]", *, force: bool, styl
     with whole_file(path, force=force) as part:
         part.write_bytes(picture)
     print(path)
+
+
+def check_plot(picture: Path | None, *, plot: bool, as_csv: bool, as_json: bool, force: bool) -> None:
+    """Raise BadParameter for an answer in two forms, and for what belongs to a picture that is not asked for."""
+    if as_csv + as_json + plot > 1:
+        raise typer.BadParameter("only one of --csv, --json and --plot")
+    if not plot and (picture is not None or force):
+        raise typer.BadParameter(f"{picture or '--force'} is for --plot")

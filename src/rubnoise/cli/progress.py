@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Final, ParamSpec
 from rubnoise.errors import RunStopped
 
 if TYPE_CHECKING:
-    from rubnoise.runs.sweep import SweepProgress
-    from rubnoise.simulation.state import Watch
     from rubnoise.storage.reader import RunFile
 
 
@@ -21,8 +19,8 @@ Bar = Callable[[float, float | None, str], None]
 
 
 @contextmanager
-def bar(*, shown: bool) -> Iterator[Bar]:
-    """Yield a bar on standard error, which goes at the end; one that shows nothing unless ``shown``."""
+def bar(words: str = "", *, shown: bool) -> Iterator[Bar]:
+    """Yield a bar with its first words on standard error, which goes at the end; it shows nothing unless ``shown``."""
     if not shown:
         yield lambda *_: None
         return
@@ -34,7 +32,7 @@ def bar(*, shown: bool) -> Iterator[Bar]:
     # The stream beneath the one that escapes what is printed: the bar itself moves the cursor.
     console = Console(file=getattr(sys.stderr, "beneath", sys.stderr))
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("", total=None)
+        task = progress.add_task(words, total=None)
 
         def show(done: float, whole: float | None, words: str) -> None:
             progress.update(task, completed=done, total=whole, description=escape(words))
@@ -43,45 +41,18 @@ def bar(*, shown: bool) -> Iterator[Bar]:
 
 
 @contextmanager
-def _stopping() -> Iterator[Callable[[], None]]:
-    """Yield a function that raises RunStopped after a signal; signals are caught from its first call on."""
-    with ExitStack() as stack:
+def stoppable_bar(words: str = "", *, shown: bool) -> Iterator[Bar]:
+    """Yield a bar that signals stop: they are caught from its first call on, and obeyed at its next call."""
+    with ExitStack() as stack, bar(words, shown=shown) as show:
         between: list[Callable[[], None]] = []
 
-        def check() -> None:
+        def watched(done: float, whole: float | None, words: str) -> None:
             if not between:
                 between.append(stack.enter_context(stoppable()))
             between[0]()
+            show(done, whole, words)
 
-        yield check
-
-
-@contextmanager
-def watching(distance: float, *, shown: bool) -> Iterator["Watch"]:
-    """Yield what watches a run of a length in um; from its first call on, signals stop the run at its next call."""
-    with _stopping() as check, bar(shown=shown) as show:
-        show(0.0, None, "counting the births")
-
-        def watch(reached: float, junctions: int, live: int) -> None:
-            check()
-            words = f"{reached / 1000.0:.6g} of {distance / 1000.0:.6g} mm, {junctions:,} junctions, {live:,} alive"
-            show(reached, distance, words)
-
-        yield watch
-
-
-@contextmanager
-def watching_sweep(*, shown: bool) -> Iterator[Callable[["SweepProgress"], None]]:
-    """Yield what watches a sweep; from its first call on, signals stop the sweep at its next call."""
-    with _stopping() as check, bar(shown=shown) as show:
-
-        def watch(progress: "SweepProgress") -> None:
-            check()
-            ended = progress.done + progress.failed
-            failed = f", {progress.failed:,} failed" if progress.failed else ""
-            show(ended, progress.runs, f"{ended:,} of {progress.runs:,} runs{failed}")
-
-        yield watch
+        yield watched
 
 
 @contextmanager

@@ -14,22 +14,21 @@ import typer
 
 import rubnoise
 from rubnoise.answer import Answer, Row, Table, rows, size
-from rubnoise.cli.layout import as_wide_text, sentence, show, too_short_for_motion
+from rubnoise.cli.layout import as_wide_text, sentence, show
 from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult, argument, flag, option
 from rubnoise.cli.progress import (
     announce_compilation,
     announce_compilation_by_workers,
     interrupted_at_once,
     on_terminal,
-    watching,
-    watching_sweep,
+    stoppable_bar,
 )
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from rubnoise.api.run import Run
     from rubnoise.api.sweep_result import SweepResult
-    from rubnoise.runs.sweep import Unmet
+    from rubnoise.runs.sweep import SweepProgress, Unmet
     from rubnoise.scenario import Scenario
     from rubnoise.scenario.sweep import Sweep
 
@@ -60,10 +59,11 @@ def run(
 
     Example: rubnoise run scenarios/paper/fig5.toml -o fig5.h5 --seed 7
     """
-    from rubnoise.cli.loading import overrides, scenario_of
+    from rubnoise.cli.loading import loaded, overrides
+    from rubnoise.scenario import load
     from rubnoise.storage.output import check_output
 
-    scenario = scenario_of(file, overrides(changes, seed=seed, engine=engine), quiet=quiet or as_json)
+    scenario = loaded(load, file, overrides(changes, seed=seed, engine=engine), quiet=quiet or as_json)
     stem = "rubnoise" if str(file) == STANDARD_INPUT else file.stem
     path = Path(f"{stem}.h5") if output is None else output
     check_output(path, force=force, reads=scenario.files)
@@ -80,8 +80,13 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
     if not quiet:
         announce_compilation()
     began, compiling = time.monotonic(), TimingListener()  # type: ignore[no-untyped-call]
-    shown = on_terminal() and not quiet
-    with watching(scenario.model().distance, shown=shown) as watch, install_listener("numba:compile", compiling):
+    distance, shown = scenario.model().distance, on_terminal() and not quiet
+    with stoppable_bar("counting the births", shown=shown) as show_bar, install_listener("numba:compile", compiling):
+
+        def watch(reached: float, junctions: int, live: int) -> None:
+            words = f"{reached / 1000.0:.6g} of {distance / 1000.0:.6g} mm, {junctions:,} junctions, {live:,} alive"
+            show_bar(reached, distance, words)
+
         result = rubnoise.run(scenario, path, force=force, watch=watch, command=["rubnoise", *sys.argv[1:]])
     with result:
         seconds = time.monotonic() - began - (compiling.duration if compiling.done else 0.0)
@@ -89,7 +94,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
 
 
 def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: bool) -> None:
-    from rubnoise.cli.derivation import FREE_ROWS, budget_rows
+    from rubnoise.cli.derivation import FREE_ROWS, cost
     from rubnoise.storage.forecast import check_disk_space, counted, expected
 
     check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
@@ -97,9 +102,10 @@ def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: b
     check_disk_space(scenario, budget, path)
     warnings = [*scenario.warnings, *_doubts(scenario, quiet=quiet or as_json)]
     notes = [] if scenario.model().free is None else [FREE_ROWS]
-    told = (*rows("result", ("output", str(path))), *budget_rows(budget))
-    answer = Answer(title=f"{path}: nothing run, nothing written", rows=told)
-    _print(answer, warnings, notes, as_json=as_json, quiet=quiet)
+    told = (*rows("result", ("output", str(path))), *cost(budget))
+    _print(
+        Answer(title=f"{path}: nothing run, nothing written", rows=told), warnings, notes, as_json=as_json, quiet=quiet
+    )
 
 
 def _print(answer: Answer, warnings: list[str], notes: list[str], *, as_json: bool, quiet: bool) -> None:
@@ -136,16 +142,14 @@ def program() -> str:
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     """Return the reasons why the result will be doubtful or too short, and print them before the run."""
-    from rubnoise.analysis.moments import missing_for_motion
-    from rubnoise.cli.derivation import motion_warnings
+    from rubnoise.cli.derivation import motion_warnings, too_short_for_motion
     from rubnoise.theory.exact import exact
 
     if scenario.too_large:
         return []  # it has no run, and says why
     model = scenario.model()
     doubts = motion_warnings(exact(model)) if model.slider is not None or model.held is not None else []
-    if missing := missing_for_motion(model):
-        doubts.append(too_short_for_motion(missing.decays, missing.needed))
+    doubts += too_short_for_motion(model)
     if not quiet:
         for doubt in doubts:
             print(sentence(f"warning: {doubt}", "  "), file=sys.stderr)
@@ -191,15 +195,22 @@ def sweep(
     Example: rubnoise sweep scenarios/paper/fig7.toml -o fig7
     """
     from rubnoise.api.sweep_result import open_sweep
-    from rubnoise.cli.loading import axes, overrides, sweep_of
+    from rubnoise.cli.loading import axes, loaded, overrides
     from rubnoise.runs.sweep import carry_out
+    from rubnoise.scenario.sweep import load_sweep
 
-    asked = sweep_of(file, (*overrides(changes, engine=engine), *axes(over)), quiet=quiet or as_json)
+    asked = loaded(load_sweep, file, (*overrides(changes, engine=engine), *axes(over)), quiet=quiet or as_json)
     place = Path(file.stem) if folder is None else folder
     shown = on_terminal() and not quiet and not as_json
     if not quiet and not as_json:
         announce_compilation_by_workers()
-    with watching_sweep(shown=shown) as watch:
+    with stoppable_bar(shown=shown) as show_bar:
+
+        def watch(progress: "SweepProgress") -> None:
+            ended = progress.done + progress.failed
+            failed = f", {progress.failed:,} failed" if progress.failed else ""
+            show_bar(ended, progress.runs, f"{ended:,} of {progress.runs:,} runs{failed}")
+
         imprecise = carry_out(
             asked,
             place,

@@ -15,6 +15,7 @@ import typer
 from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.cli.layout import show, write_texts
 from rubnoise.cli.options import AsJson, ReplaceFile, ReplaceFiles, argument, flag, option
+from rubnoise.cli.vocabulary import UNITS, fields_of, named
 from rubnoise.errors import Refused, in_shell
 
 if TYPE_CHECKING:
@@ -147,8 +148,8 @@ def answer_of(contact: "SlidingContact", wanted: dict[str, Any]) -> Answer:
         title=f"{contact.slider.name} on {contact.track.name}",
         rows=(*refused, *_given(contact), *_figures(contact), *_motions(moved)),
         tables=(
-            Table(name="autocovariance", columns=covariance, units={"lag": "um", "value": "um^4"}, shown=()),
-            Table(name="spectrum", columns=spectrum, units={"wavenumber": "rad/um", "value": "um^5"}, shown=()),
+            Table(name="autocovariance", columns=covariance, units=UNITS | {"value": "um^4"}, shown=()),
+            Table(name="spectrum", columns=spectrum, units=UNITS | {"value": "um^5"}, shown=()),
         ),
         notes=(contact.direction, *(f"warning: {each}" for each in (*contact.remarks, *_level_off(moved)))),
     )
@@ -156,41 +157,42 @@ def answer_of(contact: "SlidingContact", wanted: dict[str, Any]) -> Answer:
 
 def _given(contact: "SlidingContact") -> Iterator[Row]:
     """Yield the surfaces as they were read, and what was asked of them."""
-    for which, part in enumerate(("track", "slider")):
+    for part, scan in zip(("track", "slider"), contact.scans, strict=True):
         surface = getattr(contact, part)
-        yield from rows(
-            part,
-            ("name", surface.name),
-            ("points", list(surface.heights.shape), "", "along and across the sliding"),
-            ("spacing", list(surface.spacing), "um"),
-            ("history", list(surface.history)),
-            ("digest", contact.scans[which].digest),
-        )
-    for name, unit in _UNITS["contact"].items():
-        value = contact.gaussian.level if name == "level" else getattr(contact, name)
-        yield from rows("contact", (name, value if value is not None and isfinite(value) else None, unit))
+        known = {
+            "name": surface.name,
+            "points": list(surface.heights.shape),
+            "spacing": list(surface.spacing),
+            "history": list(surface.history),
+            "digest": scan.digest,
+        }
+        yield from named(part, known, {"points": "along and across the sliding"})
+    asked = fields_of(contact, "cutoff longest slider_length nominal_area share")
+    level = contact.gaussian.level
+    yield from named("contact", asked | {"level": level if isfinite(level) else None})
 
 
 def _figures(contact: "SlidingContact") -> Iterator[Row]:
     """Yield the figures of Gaussian surfaces, of the maps and of the scenario, under the same names."""
-    gaussian, counted = contact.gaussian, contact.counted
-    other = {
+    gaussian = contact.gaussian
+    exact = {
+        **fields_of(gaussian, "real_contact_area junction_count"),
         "count_slope": gaussian.count_slope(contact.cutoff),
+        **fields_of(gaussian, "birth_rate mean_life relative_std relative_std_short frozen_share correlation_length"),
+        "height_scale": gaussian.height_scale,
         "separation_std": gaussian.load_std,
         "separation_slope": contact.gap_slope,
-        "over_gaussian": contact.honesty,
     }
-    for part, found in (("gaussian", gaussian), ("counted", counted), ("scenario", contact.in_scenario)):
-        for name, unit in _UNITS[part].items():
-            value = found[name] if isinstance(found, dict) else other.get(name, getattr(found, name, None))
-            yield Row(part=part, name=name, value=value, unit=unit, note=_NOTES.get(name, ""))
+    patches = "patch_count largest_share real_contact_area map_area mean_diameter relative_spread"
+    counted = fields_of(contact.counted, patches) | {"over_gaussian": contact.honesty}
+    for part, known in (("gaussian", exact), ("counted", counted), ("scenario", contact.in_scenario)):
+        yield from named(part, known, _NOTES)
 
 
 def _motions(moved: "Sequence[NormalMotion | LoadMotion]") -> Iterator[Row]:
     """Yield the normal motion to first order, of the surfaces and in the scenario; nothing without a mass."""
     for part, motion in zip(("gaussian_motion", "scenario_motion"), moved, strict=False):
-        for name, unit in _UNITS["motion"].items():
-            yield Row(part=part, name=name, value=getattr(motion, name), unit=unit, note=_NOTES.get(name, ""))
+        yield from named(part, fields_of(motion, "separation_std velocity_std velocity_level"), _NOTES)
 
 
 def _moved(contact: "SlidingContact", wanted: dict[str, Any]) -> "Sequence[NormalMotion | LoadMotion]":
@@ -209,43 +211,6 @@ def _level_off(moved: "Sequence[NormalMotion | LoadMotion]") -> Iterator[str]:
             much = "loud" if louder > 0.0 else "quiet"
             yield f"the scenario is {abs(louder):.1f} dB too {much}: take the level of the surfaces"
 
-
-_UNITS: Final[dict[str, dict[str, str]]] = {
-    "contact": {
-        "cutoff": "um",
-        "longest": "um",
-        "slider_length": "um",
-        "nominal_area": "um^2",
-        "share": "",
-        "level": "",
-    },
-    "gaussian": {
-        "real_contact_area": "um^2",
-        "junction_count": "",
-        "count_slope": "",
-        "birth_rate": "1/um",
-        "mean_life": "um",
-        "relative_std": "",
-        "relative_std_short": "",
-        "frozen_share": "",
-        "correlation_length": "um",
-        "height_scale": "um",
-        "separation_std": "um",
-        "separation_slope": "",
-    },
-    "counted": {
-        "patch_count": "",
-        "largest_share": "",
-        "real_contact_area": "um^2",
-        "map_area": "um^2",
-        "mean_diameter": "um",
-        "relative_spread": "",
-        "over_gaussian": "",
-    },
-    "scenario": {"relative_std": "", "correlation_length": "um", "separation_std": "um", "separation_slope": ""},
-    "motion": {"separation_std": "um", "velocity_std": "um/s", "velocity_level": "dB"},
-}
-"""The figures of each part of an answer, with their units."""
 
 _NOTES: Final = {
     "count_slope": "d N / d ln(cut-off)",
@@ -293,7 +258,6 @@ def synthesise(
         points=points, spacing=spacing, roughness=roughness, hurst=hurst, rolloff=rolloff, cutoff=cutoff, seed=seed
     )
     made.save(path, force=force)
-    units, found = {"Sa": "um", "Sq": "um"}, made.roughness()
     told = rows("", ("surface", str(path)), ("digest", made.map.digest))
-    rough = rows("roughness", *((name, value, units.get(name, "")) for name, value in found.items()))
+    rough = named("roughness", made.roughness())
     show(Answer(title=f"{path}: {made.map.history[0]}", rows=(*told, *rough)), as_json=as_json)

@@ -7,7 +7,7 @@ import typer
 
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, Changes, ReplacePlot, argument, flag, option
-from rubnoise.cli.plot import check_picture, write_picture
+from rubnoise.cli.plot import check_picture, check_plot, write_picture
 from rubnoise.errors import Refused
 
 
@@ -47,21 +47,18 @@ def command(
     from rubnoise.cli.loading import scenario_or_result
     from rubnoise.cli.theory_answer import places, theory_answer
 
-    if as_csv + as_json + plot > 1:
-        raise typer.BadParameter("only one of --csv, --json and --plot")
-    if not plot and (picture is not None or force):
-        raise typer.BadParameter(f"{picture or '--force'} is for --plot")
+    check_plot(picture, plot=plot, as_csv=as_csv, as_json=as_json, force=force)
     points_given = bool(wavenumbers or lags or areas or distances or segment is not None or white)
     if plot and points_given:
         raise typer.BadParameter("--plot draws curves; points are for numbers")
+    picture = picture or Path(f"{file.stem}_theory.png")
     if plot:
-        picture = picture or Path(f"{file.stem}_theory.png")
         check_picture(picture, force=force, reads=[file])
     scenario = scenario_or_result(file, changes or (), quiet=as_json)
     model = scenario.model()
     if (plot or points_given) and model.slider is not None and model.slider.excitation == "velocity-weakening":
         raise Refused(f"{file}: a force that falls with speed has no noise, so there are no curves of it")
-    if plot and picture is not None:
+    if plot:
         from rubnoise.figures.theory import theory_figure
 
         write_picture(picture, lambda: theory_figure(model, file.name), force=force)

@@ -10,8 +10,9 @@ import numpy as np
 
 from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.arrays import Doubles
-from rubnoise.cli.derivation import ONE_WAY_ALONE, load_as_json, load_notes, load_rows, motion_rows, motion_warnings
+from rubnoise.cli.derivation import ONE_WAY_ALONE, load_notes, load_rows, motion_rows, motion_warnings
 from rubnoise.cli.options import NUMBER
+from rubnoise.cli.vocabulary import UNITS, fields_of, named
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -95,16 +96,6 @@ LINES_SHOWN: Final = 6
 BINS_SHOWN: Final = 8
 """Spectral lines in an answer, and how many of them and of the bins of an estimate text shows."""
 
-COVARYING: Final = {
-    "separation": "um",
-    "normal_velocity": "um/s",
-    "load": "uN",
-    "friction_force": "uN",
-    "displacement": "um",
-    "velocity": "um/s",
-}
-"""What moves under a load that weighs, and its unit."""
-
 
 def theory_answer(
     title: str, model: Model, at: Mapping[str, Doubles], *, brief: bool, segment: int | None = None, white: bool = False
@@ -135,7 +126,7 @@ def theory_answer(
             tables.append(table)
     notes = [f"warning: {warning}" for warning in motion_warnings(theory)]
     notes += [ONE_WAY_ALONE] if model.is_two_way else []
-    notes += load_notes(load_as_json(theory)) if model.held is not None else []
+    notes += load_notes(theory) if model.held is not None else []
     return Answer(title=title, rows=tuple(found), tables=tuple(tables), notes=tuple(notes))
 
 
@@ -167,21 +158,18 @@ def _covariances(theory: Exact) -> Iterator[Row]:
     if theory.free is None and theory.load is not None:
         found = theory.load.covariances
         for one, other in combinations_with_replacement(dict.fromkeys(one for one, _ in found), 2):
-            unit = f"{COVARYING[one]}*{COVARYING[other]}"
+            unit = f"{UNITS[one]}*{UNITS[other]}"
             yield Row(part="load_covariances", name=f"{one}*{other}", value=found[one, other], unit=unit)
 
 
 def _third_octaves(theory: Exact) -> Iterator[Table]:
     if theory.free is None and theory.load is not None:
-        columns = third_octaves(theory.model)
-        yield Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "velocity": "um/s", "level": "dB"})
+        yield Table(name="third_octaves", columns=third_octaves(theory.model), units=UNITS | {"level": "dB"})
 
 
-def _weakening(model: Model) -> Iterator[Row]:
-    """Yield what a force that falls with speed does (Block; Oden and Martins)."""
-    units = {"border": "N*s/m", "slowest": "um/s", "fastest": "um/s", "period": "s"}
-    known = [(name, value, units.get(name, "um")) for name, value in velocity_weakening(model).items()]
-    yield from rows("velocity_weakening", ("mean_force", force_cumulants(model).mean, "uN"), *known)
+def _weakening(model: Model) -> list[Row]:
+    """Return what a force that falls with speed does (Block; Oden and Martins)."""
+    return named("velocity_weakening", {"mean_force": force_cumulants(model).mean} | velocity_weakening(model))
 
 
 def _other_models(model: Model, *, white: bool) -> Iterator[Row]:
@@ -190,17 +178,10 @@ def _other_models(model: Model, *, white: bool) -> Iterator[Row]:
         # Of other pulses too: the base is made of triangles of the same diameters (Rice and Moslehy).
         triangles = replace(model, pulse=TRIANGLE)
         motion, area = response(triangles), area_cumulants(triangles)
-        yield from rows(
-            "base_excitation",
-            ("base_mean", model.base_per_area * area.mean, "um"),
-            ("base_std", model.base_per_area * area.std, "um"),
-            ("displacement_std", motion.displacement_std, "um"),
-            ("velocity_std", motion.velocity_std, "um/s"),
-        )
+        lift = {"base_mean": model.base_per_area * area.mean, "base_std": model.base_per_area * area.std}
+        yield from named("base_excitation", lift | fields_of(motion, "displacement_std velocity_std"))
     if white:  # of the same level at low frequency (Kilburn)
-        units = {"displacement_std": "um", "velocity_std": "um/s", "force_density": "uN^2*s", "wavenumber": "rad/um"}
-        known = white_noise(model).items()
-        yield from rows("white_noise", *((name, value, units.get(name, "")) for name, value in known))
+        yield from named("white_noise", white_noise(model))
 
 
 Curve = tuple[Sequence[Row], Table]
@@ -208,7 +189,7 @@ Curve = tuple[Sequence[Row], Table]
 
 
 def _at(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> Iterator[Curve]:
-    units = {"wavenumber": "rad/um", "density": "um^4/(rad/um)", "power": "um^4"}
+    units = UNITS | {"density": "um^4/(rad/um)", "power": "um^4", "value": "um^4"}
     wavenumbers = at["wavenumber"] if "wavenumber" in at else _wavenumbers(model, brief=brief)
     lags = at["lag"] if "lag" in at else _lags(model, brief=brief)
     columns: dict[str, Any] = {"wavenumber": wavenumbers, "density": spectral_density(model, wavenumbers)}
@@ -219,8 +200,7 @@ def _at(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> Iterator[Cur
         columns = {"wavenumber": wavenumber[:MOST_LINES], "power": power[:MOST_LINES]}
         shown = range(min(power.size, LINES_SHOWN))
         yield [], Table(name="spectral_lines", columns=columns, units=units, shown=shown)
-    columns = {"lag": lags, "value": autocovariance(model, lags)}
-    yield [], Table(name="autocovariance", columns=columns, units={"lag": "um", "value": "um^4"})
+    yield [], Table(name="autocovariance", columns={"lag": lags, "value": autocovariance(model, lags)}, units=units)
 
 
 def _distribution(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> Iterator[Curve]:
@@ -233,7 +213,7 @@ def _distribution(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> It
     areas = at["area"] if "area" in at else _areas(model, brief=brief)
     columns = {"area": areas, "density": law.density(areas), "cdf": law.cdf(areas)}
     atom = Row(part="distribution", name="atom_at_zero", value=float(law.atom_at_zero))
-    yield [atom], Table(name="distribution", columns=columns, units={"area": "um^2", "density": "1/um^2"})
+    yield [atom], Table(name="distribution", columns=columns, units=UNITS | {"density": "1/um^2"})
 
 
 def _estimated(theory: Exact, segment: int | None) -> Iterator[Curve]:
@@ -247,7 +227,7 @@ def _estimated(theory: Exact, segment: int | None) -> Iterator[Curve]:
     columns = {"wavenumber": seen.wavenumber, "density": seen.density}
     if not np.isnan(seen.standard_error).any():
         columns["standard_error"] = seen.standard_error
-    units = {"wavenumber": "rad/um", "density": "um^4/(rad/um)", "standard_error": "um^4/(rad/um)"}
+    units = UNITS | dict.fromkeys(("density", "standard_error"), "um^4/(rad/um)")
     shown = sorted({0, *(round(each) for each in np.geomspace(1, seen.wavenumber.size - 1, BINS_SHOWN))})
     known = list(rows("estimated_spectrum", ("ticks", seen.ticks), ("segments", seen.segments)))
     yield known, Table(name="estimated_spectrum", columns=columns, units=units, shown=shown)
@@ -266,5 +246,5 @@ def _from_empty(theory: Exact, distances: Doubles | None, steps: int) -> Iterato
     }
     area = "run_area_mean", empty.expected_mean_area(), "um^2", "over the whole run"
     count = "run_count_mean", empty.expected_mean_count(), "", "over the whole run"
-    table = Table(name="from_empty", columns=columns, units={"distance": "um", "area_mean": "um^2"})
+    table = Table(name="from_empty", columns=columns, units=UNITS)
     yield list(rows("from_empty", area, count)), table
