@@ -12,6 +12,7 @@ import pytest
 import rubnoise
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.analysis.where import ConditionRefused, condition
+from rubnoise.answer import shown
 from rubnoise.errors import Refused
 from rubnoise.figures.tracks import Stretch
 from rubnoise.pages import run_view
@@ -34,7 +35,7 @@ def test_a_report_has_figures_pictures_and_sound(text: str, one_way: Path) -> No
     assert text.count("<audio controls") == 1
     with rubnoise.open(one_way) as run:
         for figure in run.summary:
-            assert f"<td>{figure.value:,.6g}</td>" in text
+            assert f" {shown(figure.value)} " in text
     assert all(re.findall(r'<img alt="([^"]*)"', text))
     assert not re.search(r"""(?:src|href)=["'](?!data:)""", text)
 
@@ -60,7 +61,7 @@ def test_a_report_of_free_motion_says_how_long_it_was_off_and_shows_no_theory(bo
 @pytest.mark.slow
 def test_the_scenario_in_a_report_makes_the_same_run_again(text: str, one_way: Path, tmp_path: Path) -> None:
     scenario = tmp_path / "scenario.toml"
-    found = re.search(r"<pre>(.*?)</pre>", text, re.DOTALL)
+    found = re.search(r"Scenario</h2><pre>(.*?)</pre>", text, re.DOTALL)
     assert found is not None
     scenario.write_text(unescape(found[1]), encoding="utf-8")
     assert call("run", scenario, "-o", tmp_path / "again.h5").code == 0

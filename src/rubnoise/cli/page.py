@@ -138,6 +138,8 @@ def _sweep(folder: Path) -> tuple[str, str]:
 
 def report_page(file: Path) -> str:
     """Return the report of a result or of a sweep."""
+    from rubnoise.api.run import Run
+    from rubnoise.cli.info import run_answer
     from rubnoise.cli.loading import finished_run
     from rubnoise.cli.progress import stoppable
     from rubnoise.pages.report import run_report, sweep_report
@@ -147,7 +149,7 @@ def report_page(file: Path) -> str:
             with rubnoise.open_sweep(file) as sweep:
                 return sweep_report(sweep, between)
         with finished_run(file) as run:
-            return run_report(run, between)
+            return run_report(run, run_answer(Run(run), file).to_text(), between)
 
 
 def lesson_page(source: Path) -> str:

@@ -4,15 +4,13 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from html import escape
-from math import isfinite, nan
+from math import isfinite
 from typing import Any, Final
 
 import numpy as np
 
 from rubnoise.analysis.findings import from_attributes
 from rubnoise.analysis.sound import Sound, level_of, samples_of
-from rubnoise.analysis.spectra import heard_bands
-from rubnoise.answer import Row
 from rubnoise.api.kinds import Kind
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
@@ -22,14 +20,14 @@ from rubnoise.figures.fits import contact_figure
 from rubnoise.figures.study import draw_study, key_label, quantities_of, quantity_words, study_of_sweep
 from rubnoise.figures.style import PicturesMissing, drawn
 from rubnoise.figures.tracks import Stretch
-from rubnoise.model import Model
 from rubnoise.pages.page import written
-from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
+from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words
 from rubnoise.record.reader import Reader
 from rubnoise.scenario import loads
 from rubnoise.scenario.text import text_of
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.surface.sliding import SlidingContact
+from rubnoise.tables import as_html
 from rubnoise.web_page import coded, report_page
 
 CAPTIONS: Final[dict[Kind, str]] = {
@@ -67,20 +65,19 @@ SPEED_UP: Final = 1.0
 Between = Callable[[], None]
 
 
-def run_report(file: Reader, between: Between) -> str:
-    """Return the report of a finished run; ``between`` is called between its parts and may raise to stop.
+def run_report(file: Reader, text: str, between: Between) -> str:
+    """Return the report of a finished run with the text of its numbers; ``between`` is called and may raise to stop.
 
     Parts that a run does not have, such as a sound without a slider, are left out. Raises PicturesMissing without
     matplotlib.
     """
     stretch = Stretch.of(file)
-    figures = from_attributes(file.summary)
+    measured = {row.name: row.value for row in from_attributes(file.summary)}
     origin = file.provenance
-    words = [*in_words(stretch.model), *flights_in_words(stretch), *motion_in_words(stretch.model, figures)]
+    words = [*in_words(stretch.model), *flights_in_words(stretch), *motion_in_words(stretch.model, measured)]
     sections = {
         "What was simulated": _paragraphs(words),
-        "Measured and exact": _agreement(figures),
-        "Noise of the normal motion": _normal_motion(file, stretch.model),
+        "In numbers": f"<pre>{escape(text)}</pre>",
         "Pictures": "".join(_pictures(stretch, between)),
         "Sound": _sound(file, between),
         "Scenario": f"<pre>{escape(text_of(json.loads(str(origin['scenario_resolved']))))}</pre>",
@@ -112,45 +109,6 @@ def sweep_report(sweep: SweepResult, between: Between) -> str:
 
 def _paragraphs(sentences: Sequence[str]) -> str:
     return "".join(f"<p>{escape(sentence)}</p>" for sentence in sentences)
-
-
-def _html_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in heading)
-    body = "".join(
-        f'<tr><th scope="row">{escape(row[0])}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in row[1:])}</tr>'
-        for row in rows
-    )
-    return f'<div class="scrolled"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-
-
-def _agreement(figures: Sequence[Row]) -> str:
-    rows = [
-        (
-            each.name.replace("one_way", "one-way").replace("_", " "),
-            number(each.value),
-            number(each.exact),
-            number(each.error, 2),
-            "" if each.z is None else f"{each.z:+.2f}",
-        )
-        for each in figures
-    ]
-    note = "<p>The unit of an area is µm², of a force µN, of a length µm and of a velocity µm/s.</p>"
-    return _html_table(("figure", "measured", "exact", "standard error", "z"), rows) + note
-
-
-def _normal_motion(file: Reader, model: Model) -> str:
-    """Return levels in third octaves of a run under a load that weighs, as roughness noise is reported."""
-    try:
-        heard = heard_bands(file, model)
-    except Refused:
-        return ""
-    words = f"The normal velocity has {number(heard.whole_level, 3)} dB re 50 nm/s: {number(heard.velocity, 3)} µm/s."
-    exact = heard.frequency * nan if heard.exact is None else heard.exact
-    rows = [
-        (number(frequency, 3), f"{level:.1f}", f"{known:.1f}" if isfinite(known) else "")
-        for frequency, level, known in zip(heard.frequency, heard.level, exact, strict=True)
-    ]
-    return _paragraphs([words]) + _html_table(("third octave (Hz)", "measured (dB)", "exact (dB)"), rows)
 
 
 def _picture(content: bytes, caption: str) -> str:
@@ -226,11 +184,11 @@ def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
         cells = [str(values[key]) for key in sweep.keys]
         for quantity in quantities:
             pooled = estimates[quantity][point]
-            reach = f" ± {number(pooled.reach, 2)}" if isfinite(pooled.reach) else ""
-            cells.append(f"{number(pooled.value, 5)}{reach}")
+            reach = f" ± {pooled.reach:.2g}" if isfinite(pooled.reach) else ""
+            cells.append(f"{pooled.value:.5g}{reach}")
         rows.append(cells)
     heading = [*(key.rpartition(".")[2].replace("_", " ") for key in sweep.keys), *map(quantity_words, quantities)]
-    return _html_table(heading, rows)
+    return f'<div class="scrolled">{as_html("", heading, rows)}</div>'
 
 
 SECONDS_OF_AREA: Final = 3.0
