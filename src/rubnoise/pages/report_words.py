@@ -7,6 +7,7 @@ from rubnoise.analysis.moments import one_way_warnings
 from rubnoise.answer import length
 from rubnoise.figures.tracks import Stretch
 from rubnoise.model import FreeSeparation, Model
+from rubnoise.record.reader import Reader
 
 
 def in_words(model: Model) -> list[str]:
@@ -78,12 +79,18 @@ def _separation(model: Model) -> str:
     return "The slider rests on its load, and rises and falls with the resonance of its contact."
 
 
+def last_time(file: Reader, group: str) -> float:
+    """Return the time in s of the last row of a group."""
+    rows = file.rows(group)
+    return float(file.column(group, "time", rows - 1, rows)[0])
+
+
 def flights_in_words(stretch: Stretch) -> list[str]:
     """Return how long a slider was off the surface, how often it fell on it, and the largest speed of an overlap."""
     file = stretch.file
     if stretch.has_theory or file.rows("load") < 2:
         return []
-    end = float(file.column("load", "time", file.rows("load") - 1, file.rows("load"))[0])
+    end = last_time(file, "load")
     found = Flights.of(file, 0.0, end)
     if not found.impacts.size:
         return ["It never fell on the surface."]

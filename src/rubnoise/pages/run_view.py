@@ -5,8 +5,7 @@ holds each tick between two sliding distances, and the extremes of each curve of
 """
 
 from dataclasses import dataclass
-from fractions import Fraction
-from math import ceil
+from math import ceil, log10
 from typing import Any, Final, Self
 
 import numpy as np
@@ -16,11 +15,13 @@ from rubnoise.analysis.selection import first_row, neighbours
 from rubnoise.arrays import chunk_of_steps
 from rubnoise.errors import Refused
 from rubnoise.figures.tracks import Stretch, lowest_and_highest
+from rubnoise.model import Model
 from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import page
+from rubnoise.pages.report_words import last_time
 from rubnoise.pages.statistics import exact_curves, whole_run
 from rubnoise.record.reader import Reader, chunks, column_chunks
-from rubnoise.record.rows import ContactKind, LandmarkKind
+from rubnoise.record.rows import LandmarkKind
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.units import KINDS, USUAL_UNITS
@@ -104,7 +105,7 @@ class RunView:
             "units": _units(),
             "junctionRows": file.rows("junctions"),
             "junctions": self._lives(),
-            "extremes": extremes(file, model.tick),
+            "extremes": extremes(file, model),
             "exact": curves,
             "whole": whole_run(file, curves, leaves=model.free is not None),
             "groups": {name: self._rows(name) for name in groups},
@@ -126,19 +127,15 @@ class RunView:
     def _rows(self, group: str) -> dict[str, Any]:
         first, last = self.stretch.rows(group)
         file = self.stretch.file
-        about = next(each for each in GROUPS if each.name == group).columns
-        kept = [column for column in about if column.name in file.columns[group] and _is_shown(group, column.name)]
-        return {
-            "first": first,
-            "columns": {
-                column.name: {
-                    "units": column.units,
-                    "means": column.long_name,
-                    **packed(file.column(group, column.name, first, last)),
-                }
-                for column in kept
-            },
+        columns = {
+            column.name: {
+                "units": column.units,
+                "means": column.long_name,
+                **packed(file.column(group, column.name, first, last)),
+            }
+            for column in _shown(file, group)
         }
+        return {"first": first, "columns": columns}
 
     def _landmarks(self) -> dict[str, Any]:
         """Return times in s at which sticks of the stretch begin and end, and time and displacement of reversals."""
@@ -158,8 +155,7 @@ class RunView:
     def _flights(self) -> dict[str, Any]:
         """Return distances in um of flights and impacts, and the speed in um/s of the overlap at each impact."""
         file, speed = self.stretch.file, self.stretch.model.sliding_speed or 1.0
-        end = float(file.column("load", "time", file.rows("load") - 1, file.rows("load"))[0])
-        found = Flights.of(file, 0.0, end, MOST_FLIGHTS)
+        found = Flights.of(file, 0.0, last_time(file, "load"), MOST_FLIGHTS)
         return {
             "begin": packed(speed * found.begin),
             "end": packed(speed * found.end),
@@ -172,20 +168,25 @@ MOST_FLIGHTS: Final = 200_000
 """Landmarks of a run that go into a page: 3 MB; of more the first."""
 
 
-def _is_shown(group: str, name: str) -> bool:
-    """Whether a page needs a column: it computes places and times of ticks, and takes the one-way force from /trace."""
-    left_out = {"trace": ("distance",), "slider": ("friction_force",), "load": ("time", "live_overlap")}
-    return name not in left_out[group]
+LEFT_OUT: Final = {"trace": ("distance",), "slider": ("friction_force",), "load": ("time", "live_overlap")}
+"""Columns that a page does without: it computes places and times of ticks, and takes the one-way force from /trace."""
+
+
+def _shown(file: Reader, group: str) -> list[Dataset]:
+    """Return the columns of a group that a page has."""
+    about = next(each for each in GROUPS if each.name == group)
+    there = set(file.columns[group]) - set(LEFT_OUT[group])
+    return [column for column in about.columns if column.name in there]
 
 
 def _tick_bytes(stretch: Stretch) -> float:
     """Return about how many bytes the ticks of a stretch take, as if a two-way slider moved evenly."""
     file, share = stretch.file, (stretch.stop - stretch.start) / stretch.model.distance
-    shown = [(group, column) for group in GROUPS for column in group.columns if group.name in CURVES]
     return share * sum(
-        file.rows(group.name) * np.dtype(column.dtype).itemsize
-        for group, column in shown
-        if column.name in file.columns.get(group.name, ()) and _is_shown(group.name, column.name)
+        file.rows(group) * np.dtype(column.dtype).itemsize
+        for group in CURVES
+        if group in file.columns
+        for column in _shown(file, group)
     )
 
 
@@ -196,20 +197,11 @@ def _column(name: str) -> Dataset:
 def _units() -> dict[str, dict[str, int]]:
     """Return for each unit of a column other usual units, as powers of ten of it."""
     wanted = {column.units for column in JUNCTIONS.columns} - {"1"}
-    found: dict[str, dict[str, int]] = {}
-    for kind in KINDS:
-        if kind.unit in wanted:
-            own = USUAL_UNITS[kind.unit].size
-            sizes = {text: unit.size / own for text, unit in USUAL_UNITS.items() if unit.dimension == kind.dimension}
-            found[kind.unit] = {text: _power_of_ten(size) for text, size in sizes.items()}
+    found = {}
+    for kind in (kind for kind in KINDS if kind.unit in wanted):
+        alike = {text: unit.size for text, unit in USUAL_UNITS.items() if unit.dimension == kind.dimension}
+        found[kind.unit] = {text: round(log10(size / alike[kind.unit])) for text, size in alike.items()}
     return found
-
-
-def _power_of_ten(size: Any) -> int:
-    digits = len(str(size.numerator)) - len(str(size.denominator))
-    if size != Fraction(10) ** digits:
-        raise ValueError(f"{size} is no power of ten")
-    return digits
 
 
 def _levels(file: Any, group: str, names: tuple[str, ...]) -> dict[str, Any]:
@@ -228,21 +220,21 @@ FORCES: Final = ("friction_force", "real_contact_area")
 """What is largest: the force on the contact, or the area of one whose strength is not known."""
 
 
-def extremes(file: Reader, tick: float) -> dict[str, Any]:
-    """Return the extremes of a whole run, read in chunks; among equal ones the first.
+def extremes(file: Reader, model: Model) -> dict[str, Any]:
+    """Return the extremes of a whole run; among equal ones the first.
 
     ``junction``: the row of the largest diameter; ``force``: the column of /trace, its value, and the distance in um of
     that tick; ``stick``, of a slider that sticks: begin and end in s, and the distance in um at which it stands;
     ``impact``, of one that leaves the surface: time in s, distance in um and speed in um/s.
     """
-    leaves = "encounter" in file.columns["junctions"]
     name = next(each for each in FORCES if each in file.columns["trace"])
     row, value = _largest(file, "trace", name)
+    sticks = "landmarks" in file.columns and model.free is None
     return {
         "junction": _largest(file, "junctions", "diameter")[0] if file.rows("junctions") else None,
-        "force": {"name": name, "distance": row * tick, "value": value},
-        "stick": _longest_stick(file) if "landmarks" in file.columns and not leaves else None,
-        "impact": _hardest_impact(file) if leaves else None,
+        "force": {"name": name, "distance": row * model.tick, "value": value},
+        "stick": _longest_stick(file) if sticks else None,
+        "impact": None if model.free is None else _hardest_impact(file, model),
     }
 
 
@@ -255,23 +247,21 @@ def _largest(file: Reader, group: str, name: str) -> tuple[int, float]:
     return where, best
 
 
-def _hardest_impact(file: Reader) -> dict[str, float] | None:
-    best: dict[str, float] | None = None
-    for chunk in chunks(file, "landmarks"):
-        speed = np.where(chunk["kind"] == ContactKind.CONTACT_MADE, chunk["impact_speed"], -np.inf)
-        row = int(np.argmax(speed))
-        if speed[row] > (-np.inf if best is None else best["speed"]):
-            best = {name: float(chunk[name][row]) for name in ("time", "distance")} | {"speed": float(speed[row])}
-    return best
+def _hardest_impact(file: Reader, model: Model) -> dict[str, float] | None:
+    found = Flights.of(file, 0.0, last_time(file, "load"))
+    if not found.speeds.size:
+        return None
+    hardest = int(np.argmax(found.speeds))
+    time = float(found.impacts[hardest])
+    return {"time": time, "distance": time * (model.sliding_speed or 1.0), "speed": float(found.speeds[hardest])}
 
 
 def _longest_stick(file: Reader) -> dict[str, float] | None:
-    rows = file.rows("slider")
-    end = float(file.column("slider", "time", rows - 1, rows)[0])
-    sticks = Sticks.of(file, 0.0, end)
+    rows, last = file.rows("slider"), last_time(file, "slider")
+    sticks = Sticks.of(file, 0.0, last)
     if not sticks.begin.size:
         return None
     longest = int(np.argmax(sticks.end - sticks.begin))
     begin, end = float(sticks.begin[longest]), float(sticks.end[longest])
-    row = min(round(0.5 * (begin + end) * (rows - 1) / file.column("slider", "time", rows - 1, rows)[0]), rows - 1)
+    row = min(round(0.5 * (begin + end) * (rows - 1) / last), rows - 1)
     return {"begin": begin, "end": end, "distance": float(file.column("slider", "distance", row, row + 1)[0])}
