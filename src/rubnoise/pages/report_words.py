@@ -58,6 +58,11 @@ def _contact(model: Model) -> list[str]:
             f" grow to {'a full overlap' if model.pulse.offset == 'none' else 'a largest overlap'}, shrink and die."
         ),
         (
+            f"On average {model.mean_junction_count:.4g} junctions live at once. One is born every"
+            f" {model.mean_birth_spacing:.4g} µm of sliding, and each lives for about"
+            f" {model.mean_life_distance:.4g} µm."
+        ),
+        (
             f"The area of a junction rises and falls as a {model.pulse.shape}. The areas of all live junctions add up"
             " to the real contact area."
         ),
