@@ -99,7 +99,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.slow
 def test_a_study_is_what_the_index_says(swept: Path) -> None:
     with rubnoise.open_sweep(swept) as sweep:
-        study = study_of_sweep(sweep, STD)
+        study = study_of_sweep(sweep.index, sweep.name, STD)
         assert (study.title, study.key, study.unit) == ("study", "interface.mean_junction_count", "1")
         assert [line.label for line in study.lines] == ["100 µm²", "200 µm²"]
         figures, point = sweep.runs[STD][:], sweep.runs["point"][:]
@@ -111,7 +111,7 @@ def test_a_study_is_what_the_index_says(swept: Path) -> None:
             assert spot.seen.value == pytest.approx(np.sqrt(np.square(figures[point == number]).mean()), rel=1e-12)
             assert spot.exact == pytest.approx(exact[point == number][0], rel=1e-12)
             assert abs(spot.seen.value - spot.exact) < 6.0 * spot.seen.standard_error
-        assert quantities_of(sweep)[-1] == "junction_count_std"
+        assert quantities_of(sweep.index)[-1] == "junction_count_std"
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ from rubnoise.api import keywords
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, needing
 from rubnoise.inference import inference
-from rubnoise.inference.estimates import Estimate
+from rubnoise.inference.estimates import NAMES, Estimate
 from rubnoise.inference.inference import InferenceResult, Tried
 from rubnoise.scenario.text import text_of
 from rubnoise.tables import shortened
@@ -110,17 +110,17 @@ class Inference(inference.InferenceResult):
         """Write a page with pictures and tests, and return its path; raises Refused if nothing was found."""
         if self.refused_because is not None:
             raise Refused(f"{self.name}: there is nothing to report: {self.refused_because}")
-        from rubnoise.api.pictures import page_of_fit
+        from rubnoise.figures.fits import fit_page
 
-        return self._written(path, page_of_fit(self, self.name, self.summary()), force=force)
+        return self._written(path, fit_page(self, self.name, self.summary()), force=force)
 
     def plot(self) -> "Figure":
         """Draw trace, spectrum, residuals, autocorrelation and histogram; raises Refused if nothing was found."""
         if self.refused_because is not None:
             raise Refused(f"{self.name}: there is nothing to draw: {self.refused_because}")
-        from rubnoise.api.pictures import drawn_fit
+        from rubnoise.figures.fits import fit_figure
 
-        return drawn_fit(self)
+        return fit_figure(self)
 
     def summary(self) -> str:
         """Return the whole answer as text."""
@@ -162,17 +162,6 @@ class Inference(inference.InferenceResult):
     def _repr_html_(self) -> str:
         return self.answer._repr_html_()
 
-
-NAMES: Final = (
-    "junction_count",
-    "diameter",
-    "relative_spread",
-    "shear_strength",
-    "strength_spread",
-    "mean_real_contact_area",
-    "noise",
-)
-"""The estimates of an answer, in order."""
 
 LAW_FREE_UNITS: Final = {"effective_diameter": "um"}
 """Units of what needs no law: m6/m5, and the number if sizes were equal."""

@@ -8,12 +8,17 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
 import numpy as np
 
+from rubnoise.analysis.sound import Heard
 from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
-from rubnoise.api.kinds import Kind
 from rubnoise.api.trace import Trace
 from rubnoise.errors import Refused, refusing_files
-from rubnoise.inference.inference import InferenceResult
+from rubnoise.figures import style
+from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, Appearance, drawing
+from rubnoise.figures.kinds import Kind
+from rubnoise.figures.narrow import NARROW
+from rubnoise.figures.style import STYLES
+from rubnoise.figures.tracks import Stretch, prefix_refusals
 from rubnoise.real_numbers import number_in
 from rubnoise.record.reader import Reader
 from rubnoise.regular_file import is_hdf5
@@ -23,10 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rubnoise.analysis.sound import Heard
     from rubnoise.api.run import Run
-    from rubnoise.api.sweep_result import SweepResult
-    from rubnoise.figures.catalogue import Appearance
 
 AREA: Final = "area"
 OTHER_WORDS: Final = {
@@ -59,8 +61,6 @@ def drawn(
     **look: Any,
 ) -> "Figure":
     """Draw a picture of a run and return its figure (see Run.plot)."""
-    from rubnoise.figures.catalogue import PICTURES
-
     if what is None:
         what = "overview" if run.model().free is None else "load"
     what = "psd" if what == "spectrum" else what
@@ -82,7 +82,7 @@ def picture_of(
     ends: tuple[float | None, float | None],
     of: str,
     beside: Reader | Trace | None,
-    look: "Appearance",
+    look: Appearance,
     *,
     names: tuple[str, str] = ("of", "beside"),
     ax: "Axes | None" = None,
@@ -91,9 +91,6 @@ def picture_of(
 
     Raises Refused for what does not go together.
     """
-    from rubnoise.figures.catalogue import HEARD, OVERLAID, drawing
-    from rubnoise.figures.tracks import Stretch, prefix_refusals
-
     heard, other, measured = heard_of(of), None, None
     if heard is not None and what not in HEARD:
         raise Refused(f"{names[0]} is for psd and histogram, not for {what}")
@@ -135,17 +132,11 @@ def in_inches(size: str) -> tuple[float, float]:
     return width, height
 
 
-def appearance(
-    what: str = "", *, size: str | None = None, style: str | None = None, title: bool = True
-) -> "Appearance":
+def appearance(what: str = "", *, size: str | None = None, style: str | None = None, title: bool = True) -> Appearance:
     """Return the appearance of a picture ``what`` from words; raises Refused for an unknown size or style.
 
     Without a style a narrow picture has that of paper. Several panes one above the other need a higher column.
     """
-    from rubnoise.figures.catalogue import Appearance
-    from rubnoise.figures.narrow import NARROW
-    from rubnoise.figures.style import STYLES
-
     size = HIGH if size == "single" and what in TALL else size
     inches = None if size is None else in_inches(size)
     if style is None:
@@ -156,20 +147,6 @@ def appearance(
     return Appearance(inches=inches, style=style, title=title)
 
 
-def drawn_fit(found: InferenceResult) -> "Figure":
-    """Draw what an inference found and return its figure (see rubnoise.Inference.plot)."""
-    from rubnoise.figures.fits import fit_figure
-
-    return fit_figure(found)
-
-
-def page_of_fit(found: InferenceResult, name: str, text: str) -> str:
-    """Return the page of an inference (see rubnoise.Inference.report)."""
-    from rubnoise.figures.fits import fit_page
-
-    return fit_page(found, name, text)
-
-
 def drawn_columns(
     place: tuple[Any, str], curves: Sequence[tuple[Any, str]], ax: "Axes | None" = None, *, logarithmic: bool = False
 ) -> "Figure":
@@ -177,8 +154,6 @@ def drawn_columns(
 
     A column may be several by name, "estimated" and "exact". With ``ax`` one is drawn into these axes.
     """
-    from rubnoise.figures import style
-
     with style.house_style():
         if ax is None:
             figure = style.new_figure(7.0, 1.2 + 1.8 * len(curves))
@@ -198,19 +173,8 @@ def drawn_columns(
         return figure
 
 
-def drawn_sweep(sweep: "SweepResult", what: Any, **look: Any) -> "Figure":
-    """Draw a quantity of a sweep, and return the figure (see SweepResult.plot)."""
-    from rubnoise.figures.catalogue import sweep_drawing
-
-    if what is not None and not isinstance(what, str):
-        raise Refused(f'{what!r}: is no quantity of a sweep; right form: sweep.plot("real_contact_area_std")')
-    return sweep_drawing(sweep, what, look=appearance(**look))
-
-
-def heard_of(of: str) -> "Heard | None":
+def heard_of(of: str) -> Heard | None:
     """Return the quantity of a spectrum, None for the area; raises Refused for an unknown word."""
-    from rubnoise.analysis.sound import Heard
-
     of = next((short for short, whole in SHORT.items() if whole == of), of)
     if of != AREA and of not in get_args(Heard):
         raise Refused(f'of={of!r}: no such spectrum; there are "area", {", ".join(map(repr, get_args(Heard)))}')

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rubnoise.analysis.replicates import PooledEstimate
-    from rubnoise.api.kinds import Style
+    from rubnoise.figures.kinds import Style
     from rubnoise.scenario import Scenario
 
 _ROUNDING: Final = 1e-12
@@ -54,7 +54,7 @@ class SweepResult:
 
     ``runs`` has one row a run, point after point: `run_id`, `point`, `replicate`, the swept keys by their names,
     `seed`, `file`, `state` and `reason`, and every figure of /summary of the runs that are done. ``points`` has one row
-    a point, ``path`` is the folder, as it was opened.
+    a point, ``path`` is the folder, as it was opened, and ``index`` what its index says.
 
     >>> import rubnoise
     >>> with rubnoise.sweep("scenarios/paper/fig9.toml", "fig9", jobs=1) as sweep:
@@ -64,7 +64,7 @@ class SweepResult:
 
     def __init__(self, path: Path, index: Index) -> None:
         self.path = path
-        self._index: Final = index
+        self.index: Final = index
         self.runs = _columns("runs", index.runs)
         self.points = _columns("points", index.points)
 
@@ -78,34 +78,39 @@ class SweepResult:
         """Do nothing, since everything has been read; here so that a result of a sweep is used as one of a run is."""
 
     @property
+    def name(self) -> str:
+        """The name of the folder."""
+        return self.path.resolve().name
+
+    @property
     def title(self) -> str:
         """Title of the sweep."""
-        return self._index.texts["title"]
+        return self.index.texts["title"]
 
     @property
     def attributes(self) -> Mapping[str, str]:
         """The attributes of the index: the sweep's file as read, the command, and when and by what it was written."""
-        return self._index.texts
+        return self.index.texts
 
     @property
     def grid(self) -> tuple[str, ...]:
         """The swept keys whose values are combined with all values of the others."""
-        return self._index.swept("grid")
+        return self.index.swept("grid")
 
     @property
     def side_by_side(self) -> tuple[str, ...]:
         """The swept keys whose values go side by side."""
-        return self._index.swept("side_by_side")
+        return self.index.swept("side_by_side")
 
     @property
     def keys(self) -> tuple[str, ...]:
         """All swept keys."""
-        return self._index.keys
+        return self.index.keys
 
     @cached_property
     def values(self) -> tuple[dict[str, Any], ...]:
         """The swept values of every point, by key, as written in the file."""
-        return tuple({key: values[key] for key in self.keys} for values in self._index.values)
+        return tuple({key: values[key] for key in self.keys} for values in self.index.values)
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -190,16 +195,16 @@ class SweepResult:
     def scenario(self, point: int) -> "Scenario":
         """Return the scenario of a point by its number, with a seed of the first point; raises RunFileRefused."""
         with refusing(self.path / INDEX):
-            return self._index.scenario(point)
+            return self.index.scenario(point)
 
     @property
     def summaries(self) -> tuple[str, ...]:
         """The names of arrays of runs and points, beyond single figures."""
-        return tuple(self._index.summaries)
+        return tuple(self.index.summaries)
 
     def summary(self, name: str) -> NDArray[Any]:
         """Read one of ``summaries``: one row a run, or a point; raises KeyError for an unknown name."""
-        return self._index.summaries[name].copy()
+        return self.index.summaries[name].copy()
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the figures as an xarray Dataset whose dimensions are the swept keys and `replicate`.
@@ -242,9 +247,13 @@ class SweepResult:
         ``title`` and ``style`` are as in `Run.plot`. Raises Refused for a quantity that the sweep does not have,
         PicturesMissing without matplotlib.
         """
-        from rubnoise.api.pictures import drawn_sweep
+        from rubnoise.api.pictures import appearance
+        from rubnoise.figures.catalogue import sweep_drawing
 
-        return drawn_sweep(self, quantity, size=size, title=title, style=style)
+        if quantity is not None and not isinstance(quantity, str):
+            raise Refused(f'{quantity!r}: is no quantity of a sweep; right form: sweep.plot("real_contact_area_std")')
+        look = appearance(size=size, title=title, style=style)
+        return sweep_drawing(self.index, self.name, quantity, look=look)
 
     def _points_with(self, key: str, value: Any) -> list[int]:
         """Return the points at which a swept key has a value; raises Refused for one of another kind."""

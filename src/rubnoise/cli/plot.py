@@ -12,9 +12,9 @@ import typer
 
 import rubnoise
 from rubnoise.answer import printable
-from rubnoise.api.kinds import Kind, Style
 from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
 from rubnoise.errors import RunFileRefused
+from rubnoise.figures.kinds import Kind, Style
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
@@ -167,11 +167,11 @@ def _plot_sweep(
     if of is not SpectrumOf.area:
         raise typer.BadParameter(f"--of is for psd and histogram of a run, not for {what or 'a quantity of a sweep'}")
     with rubnoise.open_sweep(folder) as sweep:
-        shown = what or first_quantity(sweep)
-        path = output or Path(f"{folder.resolve().name}_{shown}.png")
+        shown = what or first_quantity(sweep.index)
+        path = output or Path(f"{sweep.name}_{shown}.png")
         check_picture(path, force=force)
         with prefix_refusals(str(folder)):
-            figure = sweep_drawing(sweep, shown, look=look)
+            figure = sweep_drawing(sweep.index, sweep.name, shown, look=look)
     write_picture(path, lambda: figure, force=force, style=look.style)
 
 

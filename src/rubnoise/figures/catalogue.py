@@ -6,14 +6,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from rubnoise.analysis.sound import Heard
-from rubnoise.api.kinds import Kind, Style
-from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.figures import area_pictures, slider_pictures, style
 from rubnoise.figures.contact import draw_contact
+from rubnoise.figures.kinds import Kind, Style
 from rubnoise.figures.narrow import fit_labels
 from rubnoise.figures.study import draw_study, study_of_sweep
 from rubnoise.figures.tracks import Stretch
+from rubnoise.storage.index import Index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -101,18 +101,18 @@ FIRST_QUANTITIES: Final = ("displacement_std", "real_contact_area_std")
 """The quantity of a sweep that is drawn if none is named: the first of these that it has."""
 
 
-def first_quantity(sweep: SweepResult) -> str:
+def first_quantity(index: Index) -> str:
     """Return the default quantity of a sweep."""
-    return next((name for name in FIRST_QUANTITIES if name in sweep.runs), FIRST_QUANTITIES[-1])
+    return next((name for name in FIRST_QUANTITIES if name in index.runs), FIRST_QUANTITIES[-1])
 
 
-def sweep_drawing(sweep: SweepResult, what: str | None, *, look: Appearance = AS_IT_IS) -> "Figure":
+def sweep_drawing(index: Index, name: str, what: str | None, *, look: Appearance = AS_IT_IS) -> "Figure":
     """Return a quantity of a sweep against the swept key as a figure; look: size, style, and whether there are titles.
 
     Raises Refused if the sweep does not have the quantity.
     """
     with style.house_style(look.style):
-        figure = draw_study(study_of_sweep(sweep, what or first_quantity(sweep)), look.inches)
+        figure = draw_study(study_of_sweep(index, name, what or first_quantity(index)), look.inches)
         _finish(figure, look)
         return figure
 

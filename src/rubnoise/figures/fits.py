@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.analysis import records
-from rubnoise.api.fit import NAMES
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, drawn, house_style, logarithmic, new_figure
+from rubnoise.inference.estimates import NAMES
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.surface.sliding import SlidingContact
 from rubnoise.surface.waves import Waves

@@ -13,12 +13,12 @@ import numpy as np
 
 from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.replicates import PooledEstimate, pooled
-from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.figures import style
 from rubnoise.scenario import Scenario, build
+from rubnoise.storage.index import Index
 from rubnoise.units import NUMBER, Quantity
 
 if TYPE_CHECKING:
@@ -196,40 +196,39 @@ def _lines(
     return tuple(lines)
 
 
-def quantities_of(sweep: SweepResult) -> tuple[str, ...]:
+def quantities_of(index: Index) -> tuple[str, ...]:
     """Return the quantities of a sweep that can be drawn, in the order of a summary."""
-    return tuple(name for name in FIGURE_NAMES if name in sweep.runs)
+    return tuple(name for name in FIGURE_NAMES if name in index.runs)
 
 
-def study_of_sweep(sweep: SweepResult, quantity: str) -> Study:
-    """Return a quantity of a sweep against what is swept, from the runs that are done.
+def study_of_sweep(index: Index, name: str, quantity: str) -> Study:
+    """Return a quantity of a sweep, called by a name, against what is swept, from the runs that are done.
 
     Raises Refused for a quantity that the sweep does not have, and as `study_of`.
     """
-    known = quantities_of(sweep)
+    known = quantities_of(index)
     if quantity not in known:
         raise Refused(f'"{quantity[:40]}": no quantity of this sweep; there are {", ".join(known) or "none yet"}')
     return study_of_points(
-        _points(sweep, quantity),
+        _points(index, quantity),
         quantity,
-        title=sweep.path.resolve().name,
-        units={key: sweep.runs[key].units for key in sweep.keys},
-        side_by_side=sweep.side_by_side,
+        title=name,
+        units={key: index.runs[key].about.units for key in index.keys},
+        side_by_side=index.swept("side_by_side"),
     )
 
 
-def _points(sweep: SweepResult, quantity: str) -> list[Spot]:
+def _points(index: Index, quantity: str) -> list[Spot]:
     """Return every point with the quantity in its runs; those that are not done have none."""
-    point = sweep.runs["point"][:]
-    figures, name = sweep.runs[quantity][:], f"{quantity}_standard_error"
-    errors = sweep.runs[name][:] if name in sweep.runs else np.full(figures.size, nan)
-    columns = {key: sweep.runs[key][:] for key in sweep.keys}
-    numeric = {key: column for key, column in columns.items() if np.issubdtype(column.dtype, np.number)}
+    columns = {name: column.values for name, column in index.runs.items()}
+    point, figures = columns["point"], columns[quantity]
+    errors = columns.get(f"{quantity}_standard_error", np.full(figures.size, nan))
+    numeric = {key: columns[key] for key in index.keys if np.issubdtype(columns[key].dtype, np.number)}
     found = []
-    for number, values in enumerate(sweep.values):
+    for number, values in enumerate(index.values):
         rows = np.flatnonzero(point == number)
         known_errors = errors[rows][np.isfinite(errors[rows])]
-        scenario, error = sweep.scenario(number), float(known_errors[0]) if known_errors.size else nan
+        scenario, error = index.scenario(number), float(known_errors[0]) if known_errors.size else nan
         found.append(
             Spot(
                 values=values,

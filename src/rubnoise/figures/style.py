@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from rubnoise.api.kinds import Style
 from rubnoise.errors import Refused, how_to_install
+from rubnoise.figures.kinds import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,6 +21,18 @@ ENOUGH_CYCLES: Final = 40.0
 """Cycles per life that a sensor has to pass if its filter is not given; docs/inference.md has the measured table."""
 
 
+NAMES: Final = (
+    "junction_count",
+    "diameter",
+    "relative_spread",
+    "shear_strength",
+    "strength_spread",
+    "mean_real_contact_area",
+    "noise",
+)
+"""The estimates of an answer, in order."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assumed:
     """The assumptions of an inference.

@@ -11,12 +11,12 @@ import numpy as np
 
 from rubnoise.analysis.findings import from_attributes
 from rubnoise.analysis.sound import Sound, level_of, samples_of
-from rubnoise.api.kinds import Kind
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
 from rubnoise.figures.catalogue import drawing
 from rubnoise.figures.fits import contact_figure
+from rubnoise.figures.kinds import Kind
 from rubnoise.figures.study import draw_study, key_label, quantities_of, quantity_words, study_of_sweep
 from rubnoise.figures.style import PicturesMissing, drawn
 from rubnoise.figures.tracks import Stretch
@@ -88,7 +88,7 @@ def run_report(file: Reader, text: str, between: Between) -> str:
 
 def sweep_report(sweep: SweepResult, between: Between) -> str:
     """Return the report of a sweep, finished or not; ``between`` is called between its parts and may raise to stop."""
-    quantities = quantities_of(sweep)
+    quantities = quantities_of(sweep.index)
     if not quantities or not sweep.count("done"):
         raise Refused("no run of this sweep is done yet; there is nothing to report")
     origin = sweep.attributes
@@ -173,7 +173,7 @@ def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) ->
         words = quantity_words(quantity)
         caption = f"{words[:1].upper()}{words[1:]}, with 95 % intervals and the exact curve."
         with _left_out_if_refused():
-            yield _picture(drawn(draw_study, study_of_sweep(sweep, quantity)), caption)
+            yield _picture(drawn(draw_study, study_of_sweep(sweep.index, sweep.name, quantity)), caption)
 
 
 def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
