@@ -11,7 +11,7 @@ import pytest
 
 import rubnoise
 from rubnoise.analysis.spectra import WelchSum
-from rubnoise.analysis.where import ConditionRefused, condition
+from rubnoise.analysis.where import Condition, ConditionRefused
 from rubnoise.answer import shown
 from rubnoise.errors import Refused
 from rubnoise.figures.tracks import Stretch
@@ -177,7 +177,7 @@ def test_conditions_choose_the_rows_that_the_command_chooses(data: dict[str, Any
     found = answer(data, body, conditions=CONDITIONS)
     with rubnoise.open(one_way) as run:
         columns = {name: run.junctions[name][:] for name in run.junctions}
-    expected = [np.flatnonzero(condition(text).chosen(columns)).tolist() for text in CONDITIONS]
+    expected = [np.flatnonzero(Condition(text).chosen(columns)).tolist() for text in CONDITIONS]
     assert found == expected
     assert all(len(rows) > 0 for rows in expected)
     assert sum(len(rows) < len(columns["junction"]) for rows in expected) > 8  # most of them leave some out
@@ -190,7 +190,7 @@ def test_what_is_no_condition_is_refused_by_both(data: dict[str, Any]) -> None:
     });"""
     for text, message in zip(REFUSED, answer(data, body, conditions=REFUSED), strict=True):
         with pytest.raises(ConditionRefused):
-            condition(text)
+            Condition(text)
         assert message, text
         assert not message.startswith("failed"), text
 

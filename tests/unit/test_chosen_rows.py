@@ -18,7 +18,7 @@ import rubnoise
 from rubnoise import arrays
 from rubnoise.analysis import selection
 from rubnoise.analysis.selection import gather, select
-from rubnoise.analysis.where import LONGEST, ConditionRefused, condition
+from rubnoise.analysis.where import LONGEST, Condition, ConditionRefused
 from rubnoise.storage.format import LIBRARY_VERSIONS, complete, compose
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import JUNCTIONS, Dataset
@@ -62,7 +62,7 @@ def _expected(file: RunFile, chosen: NDArray[Any], *, descending: bool) -> NDArr
 @pytest.mark.parametrize("descending", [False, True])
 @pytest.mark.parametrize("text", [None, "diameter >= 4", "birth_distance > 0", "diameter > 99"])
 def test_rows_come_in_a_stable_order(file: RunFile, text: str | None, *, descending: bool) -> None:
-    where = None if text is None else condition(text)
+    where = None if text is None else Condition(text)
     columns = {name: file.column("junctions", name) for name in file.columns["junctions"]}
     chosen = np.arange(ROWS) if where is None else np.flatnonzero(where.chosen(columns))
     expected = _expected(file, chosen, descending=descending).tolist()
@@ -98,17 +98,17 @@ CHOSEN = tomllib.loads(Path(__file__).with_name("conditions.toml").read_text(enc
 
 @pytest.mark.parametrize("text", CHOSEN)
 def test_a_condition_chooses_its_rows(text: str) -> None:
-    assert np.flatnonzero(condition(text).chosen(SIX_ROWS)).tolist() == CHOSEN[text]
+    assert np.flatnonzero(Condition(text).chosen(SIX_ROWS)).tolist() == CHOSEN[text]
 
 
 def test_length_and_depth_are_bounded() -> None:
     longest = "diameter > 1" + " " * (LONGEST - 12)
     deepest = "(" * 100 + "not " * 100 + "complete" + ")" * 100
-    assert condition(longest).columns == {"diameter"}
-    assert condition(deepest).columns == {"state"}
+    assert Condition(longest).columns == {"diameter"}
+    assert Condition(deepest).columns == {"state"}
     for text in (f"{longest} ", "(" * 400 + "complete" + ")" * 400, "(" * LONGEST):
         with pytest.raises(ConditionRefused):
-            condition(text)
+            Condition(text)
 
 
 OPERATORS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq}
@@ -152,7 +152,7 @@ def _truth(tree: Any, row: int) -> bool:
 
 @given(trees)
 def test_and_or_not_mean_what_they_mean_in_python(tree: Any) -> None:
-    chosen = condition(_text(tree)).chosen(SIX_ROWS)
+    chosen = Condition(_text(tree)).chosen(SIX_ROWS)
     assert chosen.tolist() == [_truth(tree, row) for row in range(6)]
 
 
@@ -160,7 +160,7 @@ def test_and_or_not_mean_what_they_mean_in_python(tree: Any) -> None:
 @given(st.text(max_size=60) | st.text(alphabet="()<>=! 0123456789.eandorntdiameterum*/^", max_size=60))
 def test_whatever_is_written_is_read_or_refused(text: str) -> None:
     with suppress(ConditionRefused):
-        assert condition(text).columns <= {column.name for column in JUNCTIONS.columns}
+        assert Condition(text).columns <= {column.name for column in JUNCTIONS.columns}
 
 
 IN_A_SWEEP = (
@@ -173,7 +173,7 @@ IN_A_SWEEP = (
 def test_a_key_of_a_sweep_is_compared_by_its_name() -> None:
     speeds = {"sliding.speed": np.array([500.0, 2000.0])}
     for text in ("sliding.speed > 1 mm/s", "sliding.speed > 1000", "not 1 mm/s >= sliding.speed"):
-        assert condition(text, IN_A_SWEEP).chosen(speeds).tolist() == [False, True], text
+        assert Condition(text, IN_A_SWEEP).chosen(speeds).tolist() == [False, True], text
 
 
 # Opening a result reads its structure, however long the run; asking for rows reads those rows.

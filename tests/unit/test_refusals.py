@@ -13,7 +13,7 @@ import pint
 import pytest
 
 import rubnoise
-from rubnoise.analysis.where import condition  # noqa: F401  (as the next ones, for the expressions)
+from rubnoise.analysis.where import Condition  # noqa: F401  (as the next ones, for the expressions)
 from rubnoise.errors import in_shell
 from rubnoise.scenario import build, loads
 from rubnoise.storage.schema import TRACE, Dataset  # noqa: F401

@@ -9,7 +9,6 @@ Python's own parser reads the text; nothing is evaluated by it, and other forms 
 import ast
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from math import isinf
 from typing import Any, Final
 
@@ -52,26 +51,6 @@ class ConditionRefused(Refused):
     """A condition on junctions is not valid; its message shows the place."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Condition:
-    """A function that chooses rows, and the names of the columns that it needs."""
-
-    columns: frozenset[str]
-    chosen: Choose
-
-
-def condition(text: str, columns: Sequence[Dataset] = JUNCTIONS.columns) -> Condition:
-    """Return the condition that a text writes about rows with these columns.
-
-    Raises ConditionRefused, with the text and a caret below the wrong part, if it is not valid.
-    """
-    if len(text) > LONGEST:
-        raise ConditionRefused(f"--where: error: a condition of more than {LONGEST} characters")
-    reader = _Reader(text.strip(), columns)
-    chosen = reader.choose(reader.parsed())
-    return Condition(columns=frozenset(reader.named), chosen=chosen)
-
-
 def advice(word: str, columns: Sequence[str], states: Iterable[str] = ()) -> str:
     """Return advice for an unknown word: why it is unknown, the names like it or that contain it, or all names."""
     known = [*columns, *states]
@@ -85,17 +64,23 @@ def advice(word: str, columns: Sequence[str], states: Iterable[str] = ()) -> str
     return nearest(word, tuple(known)) or f"one of {', '.join(known)}"
 
 
-class _Reader:
-    """What a condition says; ``named`` are the columns found so far, ``_numbers`` its numbers by place."""
+class Condition:
+    """A condition that a text writes about rows with some columns: ``chosen`` chooses rows, and needs ``columns``.
 
-    def __init__(self, text: str, columns: Sequence[Dataset]) -> None:
-        self._text = text
-        self._columns = {column.name: column for column in columns}
+    Raises ConditionRefused, with the text and a caret below the wrong part, if it is not valid.
+    """
+
+    def __init__(self, text: str, columns: Sequence[Dataset] = JUNCTIONS.columns) -> None:
+        if len(text) > LONGEST:
+            raise ConditionRefused(f"--where: error: a condition of more than {LONGEST} characters")
+        self._text = text.strip()
+        self._known = {column.name: column for column in columns}
         self._states = STATES if any(column.name == "state" and column.flags for column in columns) else {}
-        self._numbers = {found.start(): found for found in _QUANTITY.finditer(text)}
-        self.named: set[str] = set()
+        self._numbers = {found.start(): found for found in _QUANTITY.finditer(self._text)}
+        self.columns: set[str] = set()
+        self.chosen = self._choose(self._parsed())
 
-    def parsed(self) -> ast.expr:
+    def _parsed(self) -> ast.expr:
         """Return how Python joins the parts; each number is a name of its length, so that all places stay."""
         if not self._text:
             raise self._refused((0, 1), "no condition", _EXAMPLE)
@@ -113,15 +98,15 @@ class _Reader:
         except (RecursionError, MemoryError):
             raise self._refused((0, len(plain)), "too many levels") from None
 
-    def choose(self, node: ast.expr) -> Choose:
+    def _choose(self, node: ast.expr) -> Choose:
         """Return what chooses the rows for which a part of the condition holds."""
         match node:
             case ast.BoolOp():
                 join = np.logical_and if isinstance(node.op, ast.And) else np.logical_or
-                parts = [self.choose(each) for each in node.values]
+                parts = [self._choose(each) for each in node.values]
                 return lambda rows: join.reduce([part(rows) for part in parts])
             case ast.UnaryOp(op=ast.Not()):
-                part = self.choose(node.operand)
+                part = self._choose(node.operand)
                 return lambda rows: ~part(rows)
             case ast.Compare():
                 sides = [node.left, *node.comparators]
@@ -130,7 +115,7 @@ class _Reader:
             case ast.Name() if node.id in self._states:
                 return self._in_state(node.id)
         name = self._name(node)  # which refuses what is no name and no number
-        hint = f"for instance: {name} > 0" if name in self._columns else _EXAMPLE
+        hint = f"for instance: {name} > 0" if name in self._known else _EXAMPLE
         raise self._refused(_span(node), "nothing is compared", hint)
 
     def _name(self, node: ast.expr) -> str:
@@ -140,16 +125,16 @@ class _Reader:
         if node.col_offset in self._numbers:
             return ""
         name = ast.unparse(node)
-        if name not in self._columns and name not in self._states:
-            raise self._refused(_span(node), f"no column {name}", advice(name, [*self._columns], self._states))
-        if name in self._columns and np.dtype(self._columns[name].dtype).kind == "U":
+        if name not in self._known and name not in self._states:
+            raise self._refused(_span(node), f"no column {name}", advice(name, [*self._known], self._states))
+        if name in self._known and np.dtype(self._known[name].dtype).kind == "U":
             hint = f'numbers are compared; ["{name}"][:] == "..." in Python compares texts'
             raise self._refused(_span(node), f"{name} holds texts", hint)
         return name
 
     def _in_state(self, state: str) -> Choose:
         """Return what chooses the rows whose state has a bit, or, for complete, no bit at all."""
-        self.named.add("state")
+        self.columns.add("state")
         bit = STATES[state]
         return lambda rows: (rows["state"] & bit) != 0 if bit else rows["state"] == 0
 
@@ -163,7 +148,7 @@ class _Reader:
                 raise self._refused(span, f"{states[0]} is a state, which has no order", hint)
             chosen = self._in_state(states[0])
             return chosen if isinstance(operator, ast.Eq) else lambda rows: ~chosen(rows)
-        known = [self._columns[name] for name in names if name]
+        known = [self._known[name] for name in names if name]
         if not known:
             raise self._refused(span, "neither side is a column")
         if known[0].units != known[-1].units:
@@ -175,7 +160,7 @@ class _Reader:
     def _value(self, node: ast.expr, name: str, column: Dataset) -> Callable[[Columns], Any]:
         """Return the values of a side: those of a column, or a number in the unit of the column beside it."""
         if name:
-            self.named.add(name)
+            self.columns.add(name)
             return lambda rows: rows[name]
         found = self._numbers[node.col_offset]
         kind = next((kind for kind in KINDS if kind.unit == column.units), None)

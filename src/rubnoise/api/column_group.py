@@ -143,13 +143,12 @@ class Columns(dict[str, Column]):
         ...     len(large) < len(run.junctions), bool(large["diameter"].min() > 6.0)
         (True, True)
         """
-        from rubnoise.analysis.where import ConditionRefused
-        from rubnoise.analysis.where import condition as understood
+        from rubnoise.analysis.where import Condition, ConditionRefused
 
         if not isinstance(condition, str):
             raise Refused(f'where: {shown(condition)}: is no text; right form: where("diameter > 6 um")')
         try:
-            node = understood(condition, list(self._columns.values()))
+            node = Condition(condition, list(self._columns.values()))
         except ConditionRefused as refused:
             raise ConditionRefused(str(refused).replace("--where", "where", 1)) from None
         rows = [np.zeros(0, dtype=np.int64)]

@@ -127,12 +127,12 @@ def listed(
     invalid condition and an unknown column.
     """
     from rubnoise.analysis.selection import gather, select
-    from rubnoise.analysis.where import condition
+    from rubnoise.analysis.where import Condition
     from rubnoise.storage.export import heading
     from rubnoise.storage.schema import JUNCTIONS
 
     there = [column for column in JUNCTIONS.columns if column.name in run.columns["junctions"]]
-    tree = None if where is None else condition(where, there)
+    tree = None if where is None else Condition(where, there)
     by = None if sort is None else _column_named(sort.removeprefix("-"), "--sort", there).name
     wanted = there if columns is None else _chosen_columns(columns, there)
     if columns is None and brief:
