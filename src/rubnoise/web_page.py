@@ -10,23 +10,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-_FRAME: Final = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; @policy@">
-<link rel="icon" href="data:,">
-<title>@title@</title>
-<style>
-@style@
-</style>
-</head>
-<body>
-@body@
-@script@</body>
-</html>
-"""
 _SCRIPT: Final = """<script type="application/json" id="data">@data@</script>
 <script>
 @script@
@@ -46,7 +29,7 @@ def web_page(
     script = filled(_SCRIPT, {"data": text, "script": "\n".join(scripts)}) if scripts else ""
     policy = ("script-src 'unsafe-inline'; " if scripts else "") + "img-src data:; media-src data:"
     values = {"title": escape(title), "style": "\n".join(styles), "body": body, "policy": policy, "script": script}
-    return filled(_FRAME, values)
+    return filled(part("rubnoise", "frame.html"), values)
 
 
 def report_page(title: str, sections: Mapping[str, str], below: str = "") -> str:

@@ -38,40 +38,25 @@ INSTEAD: Final = {
 """What to do in place of each command of an earlier version, which ends with exit code 2."""
 
 HEADINGS: Final = {
-    "Begin and run": {
-        "new": "check.new",
-        "examples": "check.print_examples",
-        "check": "check.check",
-        "run": "run.run",
-        "sweep": "run.sweep",
-        "demo": "demo.demo",
-    },
-    "Look at a result": {
-        "info": "info.command",
-        "junctions": "junctions.command",
-        "plot": "plot.command",
-        "page": "page.command",
-        "listen": "listen.listen",
-        "export": "export.export",
-    },
-    "Compare": {
-        "theory": "theory.command",
-        "compare": "compare.compare",
-        "verify": "compare.verify",
-    },
-    "Measure": {
-        "infer": "infer.command",
-        "surface": "surface.command",
-    },
-    "Hidden": {
-        "schema": "check.print_schema",
-        "surface --synthesise": "surface.synthesise",
-        **dict.fromkeys(INSTEAD, "app.ended"),
-    },
+    "Begin and run": ("new", "examples", "check", "run", "sweep", "demo"),
+    "Look at a result": ("info", "junctions", "plot", "page", "listen", "export"),
+    "Compare": ("theory", "compare", "verify"),
+    "Measure": ("infer", "surface"),
+    "Hidden": ("schema", "surface --synthesise", *INSTEAD),
 }
-"""The commands under the headings of --help: the module of this package and the function of each."""
+"""The commands under the headings of --help."""
 
-COMMANDS: Final = {name: place for commands in HEADINGS.values() for name, place in commands.items()}
+_ELSEWHERE: Final = {
+    "new": "check.new",
+    "examples": "check.examples",
+    "schema": "check.schema",
+    "sweep": "run.sweep",
+    "verify": "compare.verify",
+    "surface --synthesise": "surface.synthesise",
+    **dict.fromkeys(INSTEAD, "app.ended"),
+}
+COMMANDS: Final = {name: _ELSEWHERE.get(name, f"{name}.{name}") for names in HEADINGS.values() for name in names}
+"""The module of this package and the function of each command; most have a module of their name."""
 
 EARLIER: Final = {
     "view": ("page", "--as", "view"),

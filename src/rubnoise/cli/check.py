@@ -164,7 +164,7 @@ def new(
     print(sentence(f"{file}: written; `rubnoise check {file}` says what it means, `rubnoise run {file}` runs it"))
 
 
-def print_examples() -> None:
+def examples() -> None:
     """List the scenarios that come with rubnoise.
 
     Commands take their names where they take a scenario file.
@@ -179,7 +179,7 @@ def print_examples() -> None:
         print(f"{name:<{width}}  {titles[name]}".rstrip())
 
 
-def print_schema() -> None:
+def schema() -> None:
     """Print the JSON schema of scenario files, for editors that check and complete TOML.
 
     Example: rubnoise schema > scenarios/scenario.schema.json

@@ -21,7 +21,7 @@ OF_COMMAND: Final = ("as_json", "output", "report", "force")
 """Options that say what becomes of the answer; all others are those of `rubnoise.infer`."""
 
 
-def command(
+def infer(
     trace: Annotated[
         str,
         argument(
@@ -72,8 +72,8 @@ def command(
     Example: rubnoise infer friction.csv --speed "1 mm/s" --zero known
     """
     told = {name: value for name, value in locals().items() if name not in OF_COMMAND}
+    from rubnoise.api import inferring
     from rubnoise.api.fit import answer_of
-    from rubnoise.api.inferring import infer
     from rubnoise.errors import NotPassed, Refused
     from rubnoise.storage.output import check_output
 
@@ -82,7 +82,7 @@ def command(
             check_output(path, force=force, reads=[trace])
     if output is not None and report is not None and output.absolute() == report.absolute():
         raise Refused(f"{output}: -o and --report name the same file")
-    found = infer(**(told | {"mask": tuple(mask or ())}))
+    found = inferring.infer(**(told | {"mask": tuple(mask or ())}))
     answer = _in_shell(answer_of(found, trace))
     texts: dict[Path, str] = {}
     if output is not None and found.refused_because is None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rubnoise.api.sweep_result import SweepResult
 
 
-def command(
+def info(
     file: ResultOrSweep,
     *,
     figures: Annotated[
@@ -128,7 +128,9 @@ def estimates(sweep: "SweepResult", names: Sequence[str], over: str | None = Non
                 raise Refused(
                     f"--over {over}: {problem}, and all else as at another; keys that go side by side change together"
                 ) from problem
-        found.append(Table(name=name, columns=columns))
+        unit = sweep.runs[name].units.strip("1")
+        units = dict.fromkeys(("value", "standard_error", "low", "high"), unit)
+        found.append(Table(name=name, columns=columns, units=units))
     return found
 
 

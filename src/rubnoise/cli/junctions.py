@@ -28,7 +28,7 @@ SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
 """Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others."""
 
 
-def command(
+def junctions(
     file: ResultFile,
     number: Annotated[
         str | None, argument("N", "Row number of one junction, from 0 in order of birth, to show its life.")

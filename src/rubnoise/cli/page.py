@@ -22,7 +22,7 @@ PageForm = StrEnum("PageForm", "view report lesson")
 """What a page is for."""
 
 
-def command(
+def page(
     files: Annotated[
         list[Path] | None,
         argument(

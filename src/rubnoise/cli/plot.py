@@ -42,7 +42,7 @@ def complete(incomplete: str) -> list[str]:
     return [name for name in (*PICTURES, *FIGURE_NAMES) if name.startswith(incomplete)]
 
 
-def command(
+def plot(
     file: ResultOrSweep,
     what: Annotated[
         str | None,

@@ -35,7 +35,7 @@ _LAGS: Final = 200
 _WAVES: Final = 120
 
 
-def command(
+def surface(
     context: typer.Context,
     scans: Annotated[list[Path] | None, argument("SCAN [SCAN]", "A scan, or two: the track, then the slider.")] = None,
     *,

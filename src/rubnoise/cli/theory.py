@@ -11,7 +11,7 @@ from rubnoise.cli.plot import check_picture, check_plot, write_picture
 from rubnoise.errors import Refused
 
 
-def command(
+def theory(
     file: Annotated[Path, argument("FILE", "A scenario file, or a result.")],
     picture: Annotated[
         Path | None, argument("PICTURE", "The file of --plot; default: FILE_theory.png, in this folder.")

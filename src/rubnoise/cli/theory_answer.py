@@ -58,29 +58,27 @@ def _number(option: str, text: str) -> float:
     return value
 
 
-def _wavenumbers(model: Model, *, brief: bool) -> Doubles:
-    """Return 0 and wavenumbers from far below to far above the corner, evenly in their logarithm."""
-    unit = 1.0 / model.mean_life_distance
-    if brief:
-        return np.array([0.0, *(_rounded(unit * factor) for factor in (0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0))])
-    return np.concatenate([np.zeros(1), unit * np.geomspace(0.01, 1e4, 241)])
+def _usual_places(model: Model, *, brief: bool) -> dict[str, Doubles]:
+    """Return wavenumbers far to both sides of the corner, lags to the end of all correlation, areas about the mean.
 
-
-def _lags(model: Model, *, brief: bool) -> Doubles:
-    """Return lags from 0 to the end of all correlation."""
-    if brief:
-        return _rounded(covariance_reach(model, LITTLE) / FEW) * np.arange(FEW + 1, dtype=np.float64)
-    return np.linspace(0.0, covariance_reach(model, NOTHING), MANY)
-
-
-def _areas(model: Model, *, brief: bool) -> Doubles:
-    """Return areas from far below the mean, or from 0, to as far above it."""
-    area = area_cumulants(model)
+    Wavenumbers are even in their logarithm; brief ones are few and round.
+    """
+    unit, area = 1.0 / model.mean_life_distance, area_cumulants(model)
     if brief:
         step = _rounded(0.75 * area.std) or area.mean
         around = step * (np.round(area.mean / step) + np.arange(FEW + 1.0) - FEW // 2)
-        return around[around >= 0.0]
-    return np.unique(np.linspace(max(0.0, area.mean - REACH * area.std), area.mean + REACH * area.std, MANY))
+        factors = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
+        return {
+            "wavenumber": np.array([0.0, *(_rounded(unit * factor) for factor in factors)]),
+            "lag": _rounded(covariance_reach(model, LITTLE) / FEW) * np.arange(FEW + 1, dtype=np.float64),
+            "area": around[around >= 0.0],
+        }
+    lowest, highest = max(0.0, area.mean - REACH * area.std), area.mean + REACH * area.std
+    return {
+        "wavenumber": np.concatenate([np.zeros(1), unit * np.geomspace(0.01, 1e4, MANY)]),
+        "lag": np.linspace(0.0, covariance_reach(model, NOTHING), MANY),
+        "area": np.unique(np.linspace(lowest, highest, MANY)),
+    }
 
 
 def _rounded(value: float) -> float:
@@ -113,12 +111,12 @@ def theory_answer(
     found = [*_moments(theory), *motion_rows(theory)]
     found += [*load_rows(theory), *_covariances(theory)] if model.held is not None else []
     found += _other_models(model, white=white)
-    tables = [_cumulants(theory), *_third_octaves(theory)]
+    tables, shown_at = [_cumulants(theory), *_third_octaves(theory)], _usual_places(model, brief=brief) | dict(at)
     # The square of a far point may overflow: what is left there is 0.
     with np.errstate(over="ignore", under="ignore", divide="ignore"):
         for more_rows, table in (
-            *_at(model, at, brief=brief),
-            *_distribution(model, at, brief=brief),
+            *_at(model, shown_at),
+            *_distribution(model, shown_at, asked="area" in at),
             *_estimated(theory, segment),
             *_from_empty(theory, at.get("distance"), FEW if brief else MANY - 1),
         ):
@@ -188,10 +186,9 @@ Curve = tuple[Sequence[Row], Table]
 """A curve, and numbers that belong to it."""
 
 
-def _at(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> Iterator[Curve]:
+def _at(model: Model, at: Mapping[str, Doubles]) -> Iterator[Curve]:
     units = UNITS | {"density": "um^4/(rad/um)", "power": "um^4", "value": "um^4"}
-    wavenumbers = at["wavenumber"] if "wavenumber" in at else _wavenumbers(model, brief=brief)
-    lags = at["lag"] if "lag" in at else _lags(model, brief=brief)
+    wavenumbers, lags = at["wavenumber"], at["lag"]
     columns: dict[str, Any] = {"wavenumber": wavenumbers, "density": spectral_density(model, wavenumbers)}
     convention = Row(part="spectrum", name="convention", value=CONVENTION)
     yield [convention], Table(name="spectrum", columns=columns, units=units)
@@ -203,14 +200,14 @@ def _at(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> Iterator[Cur
     yield [], Table(name="autocovariance", columns={"lag": lags, "value": autocovariance(model, lags)}, units=units)
 
 
-def _distribution(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> Iterator[Curve]:
+def _distribution(model: Model, at: Mapping[str, Doubles], *, asked: bool) -> Iterator[Curve]:
     try:
         law = distribution(model)
     except Refused as refusal:
-        if "area" in at:
+        if asked:
             raise Refused(f"--at-area: {refusal}") from refusal
         return
-    areas = at["area"] if "area" in at else _areas(model, brief=brief)
+    areas = at["area"]
     columns = {"area": areas, "density": law.density(areas), "cdf": law.cdf(areas)}
     atom = Row(part="distribution", name="atom_at_zero", value=float(law.atom_at_zero))
     yield [atom], Table(name="distribution", columns=columns, units=UNITS | {"density": "1/um^2"})
