@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from rubnoise.api.run import Run
 from rubnoise.api.running import simulate
@@ -76,7 +77,6 @@ LAWS: Final = ("normal", "lognormal", "exponential")
 FULL_SCALE: Final = 4095
 """Steps of the sensor between no force and the largest one of its trace: it has 12 bits."""
 _CELLS = 160
-_ROUNDS, _LAGS = 8, 33  # of the search for a lag: 32^-8 of the interval is left
 _LARGEST_SIZE = 40.0  # um: hardly any of the swing comes from larger ones
 
 
@@ -123,12 +123,7 @@ def _found(force: NDArray[np.float64], tick: float, law: str) -> dict[str, Any]:
 def half_lag(theory: Exact) -> float:
     """Return the lag in um at which the exact autocovariance of the area has fallen to one half."""
     half = 0.5 * float(theory.autocovariance(0.0))
-    low, high = 0.0, 20.0 * theory.mean_diameter
-    for _ in range(_ROUNDS):
-        lags = np.linspace(low, high, _LAGS)
-        after = int(np.argmax(theory.autocovariance(lags) < half))
-        low, high = lags[after - 1 : after + 1].tolist()
-    return 0.5 * (low + high)
+    return float(brentq(lambda lag: float(theory.autocovariance(lag)) - half, 0.0, 20.0 * theory.mean_diameter))
 
 
 MOST_ROWS: Final = 50_000

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from typing import Any, Final
 
-from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
-from rubnoise.contact.distributions import Fixed, Law, Normal
+from rubnoise.contact.births import PoissonBirths, RegularBirths
+from rubnoise.contact.distributions import Fixed, Normal
 from rubnoise.errors import Refused
-from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 
 LESSON_STRENGTH: Final = 250.0
@@ -37,21 +36,29 @@ def settings_of(scenario: Scenario) -> LessonSettings:
     random nor regular, and for other lives than lenses off the centre line: the page cannot draw them.
     """
     model = scenario.model()
-    if model.pulse.offset != "none" and model.pulse.shape != "lens":
-        raise Refused("the page of lessons knows passes off the centre line of lenses alone (pulse.offset)")
-    lacking = {"strength": model.strengths, "sliding.speed": model.sliding_speed, "slider": model.slider}
-    slider = model.slider
+    sizes, strengths, slider = model.sizes, model.strengths, model.slider
+    known = {
+        "passes off the centre line of lenses alone (pulse.offset)": model.pulse.offset == "none"
+        or model.pulse.shape == "lens",
+        "poisson and regular births alone (birth.law)": isinstance(model.births, PoissonBirths | RegularBirths),
+        "fixed and normal diameters alone (diameter.law)": isinstance(sizes, Fixed | Normal),
+        "equal strengths alone (strength.law)": strengths is None or isinstance(strengths, Fixed),
+    }
+    for what, holds in known.items():
+        if not holds:
+            raise Refused(f"the page of lessons knows {what}")
+    lacking = {"strength": strengths, "sliding.speed": model.sliding_speed, "slider": slider}
     return LessonSettings(
         world={
             "meanArea": model.mean_real_contact_area,
             "meanCount": model.mean_junction_count,
-            "spread": _spread(model.sizes),
-            "births": _births(model.births),
+            "spread": sizes.std if isinstance(sizes, Normal) else 0.0,
+            "births": "regular" if isinstance(model.births, RegularBirths) else "poisson",
             "pulse": model.pulse.shape,
             "offset": model.pulse.offset,
             "calibration": model.calibration,
             "speed": model.sliding_speed or LESSON_SPEED,
-            "strength": _strength(model),
+            "strength": LESSON_STRENGTH if strengths is None else strengths.mean,
             **({name: getattr(slider, name) for name in LESSON_SLIDER} if slider else LESSON_SLIDER),
             "seed": scenario.run.seed,
         },
@@ -60,26 +67,3 @@ def settings_of(scenario: Scenario) -> LessonSettings:
         coupling="two-way" if model.is_two_way else "one-way",
         borrowed=tuple(name for name, found in lacking.items() if found is None),
     )
-
-
-def _births(births: BirthLaw) -> str:
-    for name, kind in (("regular", RegularBirths), ("poisson", PoissonBirths)):
-        if isinstance(births, kind):
-            return name
-    raise Refused("the page of lessons knows poisson and regular births alone (birth.law)")
-
-
-def _spread(sizes: Law) -> float:
-    if isinstance(sizes, Fixed):
-        return 0.0
-    if isinstance(sizes, Normal):
-        return sizes.std
-    raise Refused("the page of lessons knows fixed and normal diameters alone (diameter.law)")
-
-
-def _strength(model: Model) -> float:
-    if model.strengths is None:
-        return LESSON_STRENGTH
-    if isinstance(model.strengths, Fixed):
-        return model.strengths.mean
-    raise Refused("the page of lessons knows equal strengths alone (strength.law)")
