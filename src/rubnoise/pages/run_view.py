@@ -101,7 +101,7 @@ class RunView:
             "count": {"mean": model.mean_junction_count} if self.stretch.has_theory else None,
             "weight": model.load if model.held is not None else None,
             "meanLife": model.mean_life_distance,
-            "states": {name: bit for bit, name in _column("state").flags},
+            "states": {name: bit for column in JUNCTIONS.columns for bit, name in column.flags},
             "units": _units(),
             "junctionRows": file.rows("junctions"),
             "junctions": self._lives(),
@@ -188,10 +188,6 @@ def _tick_bytes(stretch: Stretch) -> float:
         if group in file.columns
         for column in _shown(file, group)
     )
-
-
-def _column(name: str) -> Dataset:
-    return next(column for column in JUNCTIONS.columns if column.name == name)
 
 
 def _units() -> dict[str, dict[str, int]]:

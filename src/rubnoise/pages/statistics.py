@@ -36,33 +36,30 @@ def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
     None, as is the density of the area in 1/um^2. A motion that the run does not have is None.
     """
     ticks, is_known = _power_of_two(LIVES * model.mean_life_distance / model.tick), model.free is None
+    expected = _known(lambda: expected_periodogram(model, model.tick, hann(ticks))[1]) if is_known else None
     found: dict[str, Any] = {
-        "area": {
-            "step": model.tick,
-            "ticks": ticks,
-            "expected": _known(lambda: expected_periodogram(model, model.tick, hann(ticks))[1]) if is_known else None,
-        },
+        "area": {"step": model.tick, "ticks": ticks, "expected": expected},
         "density": _known(lambda: np.stack(_density(model))) if is_known else None,
-        "velocity": None,
-        "normal": None,
-        "load": None,
+        **dict.fromkeys(("velocity", "normal", "load")),
     }
     if "slider" in file.columns and file.rows("slider") > 1 and model.slider is not None:
-        step = float(file.column("slider", "time", 1, 2)[0] - file.column("slider", "time", 0, 1)[0])
-        own = partial(motion_spectrum, "velocity", model) if is_known and not model.is_two_way else None
-        found["velocity"] = _of_motion(model.slider, step, own)
+        own = "velocity" if is_known and not model.is_two_way else None
+        first, second = file.column("slider", "time", 0, 2).tolist()
+        found["velocity"] = _of_motion(model, model.slider, second - first, own)
     if "load" in file.columns and model.held is not None and model.tick_duration is not None:
-        contact, step = model.held.oscillator, model.tick_duration
-        normal = partial(motion_spectrum, "normal_velocity", model) if is_known else None
-        found["normal"] = _of_motion(contact, step, normal)
-        found["load"] = _of_motion(contact, step, partial(motion_spectrum, "load", model) if is_known else None)
+        for name, quantity in (("normal", "normal_velocity"), ("load", "load")):
+            known = quantity if is_known else None
+            found[name] = _of_motion(model, model.held.oscillator, model.tick_duration, known)
     return found
 
 
-def _of_motion(slider: Slider, step: float, exact: Callable[[Doubles], Doubles] | None) -> dict[str, Any]:
-    """Return the step in s, the ticks of a segment, and the expected spectrum of a motion, None if unknown."""
+def _of_motion(model: Model, slider: Slider, step: float, quantity: str | None) -> dict[str, Any]:
+    """Return the step in s, the ticks of a segment, and the expected spectrum of a quantity, None if unknown."""
     ticks = _power_of_two(PERIODS / slider.natural_frequency / step) if slider.stiffness else 1 << 10
-    expected = None if exact is None else _known(lambda: through_window(exact, step, hann(ticks), ticks // 2))
+    expected = None
+    if quantity is not None:
+        exact = partial(motion_spectrum, quantity, model)
+        expected = _known(lambda: through_window(exact, step, hann(ticks), ticks // 2))
     return {"step": step, "ticks": ticks, "expected": expected}
 
 

@@ -7,8 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import welch
+from rubnoise.answer import finite
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.figure_names import STATES
 from rubnoise.figures.tracks import lowest_and_highest
 from rubnoise.pages.page import page
 from rubnoise.pages.statistics import LIVES
@@ -53,7 +55,7 @@ def _data(sweep: SweepResult, name: str, rows: NDArray[np.int64]) -> dict[str, A
         "name": name,
         "keys": list(sweep.keys),
         "figures": figures,
-        "states": {state: sweep.count(state) for state in ("done", "failed", "planned")},
+        "states": {state: sweep.count(state) for state in STATES},
         "failures": [{"run": each.run_id, "reason": each.reason} for each in sweep.failures[:MOST_BEGINNINGS]],
         "runs": [str(each) for each in sweep.runs["run_id"][:][rows]],
         "columns": {
@@ -67,10 +69,8 @@ def _data(sweep: SweepResult, name: str, rows: NDArray[np.int64]) -> dict[str, A
 
 def _as_json(values: NDArray[Any]) -> list[Any]:
     """Return values for JSON; those not measured are null."""
-    if values.dtype.kind == "f":
-        return [value if np.isfinite(value) else None for value in values.tolist()]
     exact = 2**53  # a larger whole number is no number of the page's language
-    return [value if isinstance(value, int) and abs(value) < exact else str(value) for value in values.tolist()]
+    return [str(value) if isinstance(value, int) and abs(value) >= exact else value for value in finite(values)]
 
 
 def _beginnings(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
