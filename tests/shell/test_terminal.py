@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 
 import rubnoise
 from rubnoise.cli.app import COMMANDS, escaped, escaping
-from rubnoise.cli.progress import watching_reads
-from rubnoise.storage.reader import open_run
+from rubnoise.cli.compare import verify
 from tests.files.runs import attempt
 from tests.shell.terminal import (
     WITH_SLIDER,
@@ -215,10 +214,7 @@ def test_a_look_through_a_file_is_shown_where_it_is(monkeypatch: pytest.MonkeyPa
     attempt(tmp_path / "run.h5")
     for shown in (True, False):
         monkeypatch.setattr("sys.stderr", screen := Screen())
-        with open_run(tmp_path / "run.h5") as run:
-            with watching_reads(run, shown=shown):
-                run.column("trace", "distance")
-            assert run.watch is None
+        verify(tmp_path / "run.h5", as_json=not shown)
         assert ("/trace/distance" in screen.getvalue()) == shown
 
 

@@ -14,7 +14,7 @@ from rubnoise.answer import Answer, Table, rows
 from rubnoise.cli.layout import sentence, show
 from rubnoise.cli.options import AsJson, Changes, argument, option
 from rubnoise.cli.vocabulary import UNITS
-from rubnoise.errors import OutputRefused, RubnoiseError
+from rubnoise.errors import OutputRefused, Refused, RubnoiseError
 
 if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
@@ -58,15 +58,19 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, A
     from rubnoise.cli.loading import loaded
     from rubnoise.scenario import Scenario
     from rubnoise.scenario.sweep import load_either
-    from rubnoise.storage.forecast import counted
+    from rubnoise.storage.forecast import check_disk_space, counted, expected
 
     found = loaded(load_either, file, changes, quiet=quiet)
     title = f"{file}: ok" + (f": {found.title}" if found.title else "")
     if not isinstance(found, Scenario):
         return "sweeps", sweep_answer(found, title, warned=not quiet)
     known = derivation.derived(found, title, warned=not quiet)
-    notes = (*known.notes, *derivation.missing_resources(found, file))
-    return "scenarios", replace(known, rows=(*known.rows, *derivation.cost(counted(found))), notes=notes)
+    notes = [*known.notes]
+    try:
+        check_disk_space(found, expected(found), f"{file.stem}.h5")
+    except Refused as lack:
+        notes.append(str(lack))
+    return "scenarios", replace(known, rows=(*known.rows, *derivation.cost(counted(found))), notes=tuple(notes))
 
 
 MOST_ROWS: Final = 100

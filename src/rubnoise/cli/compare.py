@@ -1,6 +1,6 @@
 """`rubnoise compare` and `rubnoise verify`: a result beside the theory of its scenario, or its run, played again."""
 
-from collections.abc import Iterator
+import sys
 from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated
@@ -10,7 +10,8 @@ import typer
 from rubnoise.answer import Row, printable
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ResultFile, flag, option
-from rubnoise.cli.progress import bar, on_terminal, watching_reads
+from rubnoise.cli.progress import bar
+from rubnoise.cli.vocabulary import named
 from rubnoise.errors import NotPassed, Refused
 from rubnoise.regular_file import is_folder
 
@@ -51,18 +52,17 @@ def compare(
         raise NotPassed(f"{printable(str(file))}: outside: {', '.join(found.outside)}")
 
 
-def _white_noise(model: "Model") -> Iterator[Row]:
-    """Yield what white noise of the same level at low frequency (Kilburn) would make of a one-way slider, if any."""
+def _white_noise(model: "Model") -> list[Row]:
+    """Return what white noise of the same level at low frequency (Kilburn) would make of a one-way slider, if any."""
     from rubnoise.theory.ancestors import white_noise
 
     if model.is_two_way or model.separation is not None:
-        return
+        return []
     try:
         white = white_noise(model)
     except Refused:
-        return
-    for name, unit in (("displacement_std", "um"), ("velocity_std", "um/s")):
-        yield Row(part="white_noise", name=name, value=white[name], unit=unit)
+        return []
+    return named("white_noise", {name: white[name] for name in ("displacement_std", "velocity_std")})
 
 
 def verify(
@@ -88,7 +88,7 @@ def verify(
     from rubnoise.cli.loading import finished_run
     from rubnoise.runs import verification
 
-    shown = on_terminal() and not as_json
+    shown = sys.stderr.isatty() and not as_json
     if is_folder(file):
         from rubnoise.runs.verify import verify_sweep
 
@@ -98,12 +98,12 @@ def verify(
                 regenerate=regenerate,
                 watch=lambda done, runs: show_bar(done, runs, f"{done:,} of {runs:,} runs"),
             )
+        whole = "its runs, made again, and the index of these"
     else:
-        with finished_run(file) as run, watching_reads(run, shown=shown):
+        with finished_run(file) as run, bar(shown=shown) as show_bar:
+            run.watch = lambda column, row, rows: show_bar(row, rows, column)
             found = verification.verify(run, regenerate=regenerate)
-    whole = (
-        "its runs, made again, and the index of these" if is_folder(file) else "its hashes and its run, played again"
-    )
+        whole = "its hashes and its run, played again"
     show(replace(found, title=f"{file}: compared with {whole}"), as_json=as_json)
     if found.different:
         said = [check.first for check in found.different]

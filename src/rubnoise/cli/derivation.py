@@ -2,21 +2,20 @@
 
 from collections.abc import Iterator
 from math import inf, isnan, nan
-from pathlib import Path
 from typing import Final
 
 from rubnoise.analysis.moments import missing_for_motion, one_way_warnings
 from rubnoise.answer import Answer, Row, length, rows
 from rubnoise.cli.vocabulary import NOTES, fields_of, named
-from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.ticks import cells_per_tick
-from rubnoise.storage.forecast import Budget, check_disk_space, expected
+from rubnoise.storage.forecast import Budget
 from rubnoise.theory.coupling import LoadMotion
 from rubnoise.theory.exact import Exact, exact
 
-WORTH_A_NOTE = 0.01
+WORTH_A_NOTE, WORTH_A_SHARE = 0.01, 1e-4
+"""Differences and errors, as parts of what they are of, and share of time with a negative load, that are printed."""
 
 FREE_ROWS = "free motion may touch a summit several times or not at all: rows of junctions and bytes are an estimate"
 
@@ -122,15 +121,6 @@ def cost(budget: Budget) -> list[Row]:
     return named("cost", known)
 
 
-def missing_resources(scenario: Scenario, file: Path) -> list[str]:
-    """Return the resources that this machine lacks for a run of a scenario file into this folder."""
-    try:
-        check_disk_space(scenario, expected(scenario), f"{file.stem}.h5")
-    except Refused as lack:
-        return [str(lack)]
-    return []
-
-
 def _notes(scenario: Scenario, theory: Exact) -> list[str]:
     model, law, notes = scenario.model(), scenario.diameter.law, []
     specified, wanted = model.mean_junction_count, model.mean_real_contact_area
@@ -165,15 +155,6 @@ def too_short_for_motion(model: Model) -> list[str]:
 
 # What a load that weighs does.
 
-HELD, LIFTED, FREE = "separation held", "lifted by a base", "free"
-"""Regimes without a load that weighs (the gap is constant), over a base that moves, and of a slider that may fly."""
-
-CONSTANT_GAP, BOUNCING = "constant gap", "bouncing"
-"""Regimes in which the force is that of a constant gap, and of so few junctions that first order is no guide."""
-
-ERROR_WORTH_A_NOTE, WORTH_A_SHARE = 0.01, 1e-4
-"""Error of first order over a spread, and share of time with a negative load, from which they are printed."""
-
 FOLLOWING, FAR = 0.3, 10.0
 """V over c omega_c up to which first order has the displacement below the contact resonance; omega_0 over omega_c from
 which a slider moves as at constant gap, if the force is that."""
@@ -196,14 +177,15 @@ def load_rows(theory: Exact) -> list[Row]:
         if free.first_order is not None:
             known["first_order_separation_std"] = free.first_order.separation_std
             known["first_order_velocity_std"] = free.first_order.velocity_std
-        return named("load", {"regime": FREE} | known)
+        return named("load", {"regime": "free"} | known)
     if motion is not None:
         error = None if motion.error == inf else motion.error
         known = {"relative_frequency": _relative_frequency(theory.model, motion), "error_bound": error}
         return named("load", fields_of(motion, _LOAD_FIGURES) | known)
     if _is_on_a_base(theory.model):
-        return named("load", {"regime": LIFTED})
-    return named("load", {"regime": HELD, "load_variation": theory.area.std / theory.area.mean})
+        return named("load", {"regime": "lifted by a base"})
+    variation = theory.area.std / theory.area.mean
+    return named("load", {"regime": "separation held", "load_variation": variation})
 
 
 def _relative_frequency(model: Model, motion: LoadMotion) -> float | None:
@@ -219,12 +201,12 @@ def load_notes(theory: Exact) -> list[str]:
     motion, notes = theory.load, []
     if motion is None:
         return []
-    if motion.regime == CONSTANT_GAP and (_relative_frequency(theory.model, motion) or inf) < FAR:
+    if motion.regime == "constant gap" and (_relative_frequency(theory.model, motion) or inf) < FAR:
         notes.append(
             "the force is that of a constant gap, but not the slider's motion: momentum keeps the mean load at every"
             " speed, so a slider moves as in the paper only if omega_0, too, is far above omega_c"
         )
-    if motion.regime != BOUNCING and ERROR_WORTH_A_NOTE < motion.error < inf:
+    if motion.regime != "bouncing" and WORTH_A_NOTE < motion.error < inf:
         error = f"{100.0 * motion.error:.2g} %"
         notes.append(f"first order misses the spreads of separation, normal velocity and load by up to {error}")
     return notes
@@ -238,7 +220,7 @@ def _load_warnings(theory: Exact) -> list[str]:
         return [f"{lossless}: there is no stationary state, and levels grow as long as the run lasts"]
     if motion is None:
         return []
-    if motion.regime == BOUNCING:
+    if motion.regime == "bouncing":
         warnings.append(
             "with fewer than about 10 live junctions the slider leaves its contact and bounces;"
             " the linear motion is no guide to that"
@@ -249,7 +231,7 @@ def _load_warnings(theory: Exact) -> list[str]:
             " near the resonance less damping errs more"
         )
     slow = (_relative_frequency(theory.model, motion) or 1.0) < 1.0
-    if motion.regime != BOUNCING and motion.relative_speed > FOLLOWING and slow:
+    if motion.regime != "bouncing" and motion.relative_speed > FOLLOWING and slow:
         warnings.append(
             "the displacement is a lower bound, and the suppression an upper one: swings at the contact resonance are"
             " rectified into slow motion, which first order does not have"

@@ -11,7 +11,7 @@ import rubnoise
 from rubnoise.answer import Answer, Row, Table, rows
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ResultOrSweep, option
-from rubnoise.cli.run import failures
+from rubnoise.cli.run import counts, failures
 from rubnoise.errors import Refused
 from rubnoise.regular_file import is_folder
 
@@ -99,7 +99,7 @@ def sweep_answer(sweep: "SweepResult", folder: Path, estimated: "list[Table]") -
     """Return the content of the folder of a sweep, and ``estimated`` figures."""
     known: dict[str, Any] = {name: sweep.attributes[name] for name in ("source", "command", "written")}
     known |= {"points": len(sweep.points), "runs": len(sweep.runs)}
-    known |= {state: sweep.count(state) for state in ("done", "failed", "planned")}
+    known |= counts(sweep)
     size_of_all = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
     lists = {name: list(getattr(sweep, name)) or None for name in ("grid", "side_by_side", "figures", "summaries")}
     return Answer(

@@ -185,13 +185,6 @@ def _column_named(name: str, option: str, there: "Sequence[Dataset]") -> "Datase
 
 # One life.
 
-STATES = {
-    "alive_at_start": "alive at the start",
-    "alive_at_end": "alive at the end",
-    "ended_early": "ended early",
-    "complete": "a complete life",
-}
-
 
 def state_names(state: "JunctionState") -> list[str]:
     """Return the names of a state's bits as the file has them, ``complete`` if there are none."""
@@ -207,7 +200,7 @@ def life_answer(life: "Life", file: Path, *, as_csv: bool = False) -> Answer:
     if as_csv:
         named = {f"{name}_{UNITS[name].replace('^', '')}": values for name, values in curve.items()}
         return Answer(tables=(Table(name="curve", columns=named),))
-    of = ", ".join(STATES[name] for name in state_names(life.state))
+    of = ", ".join(name.replace("_", " ") for name in state_names(life.state))
     return Answer(
         title=f"{file}: junction {life.number} of 0 to {life.rows - 1}, {of}",
         rows=(*_row_of(life), *_peak(life)),

@@ -1,6 +1,5 @@
 """`rubnoise listen`: the motion of the slider as a sound file."""
 
-from collections.abc import Iterator
 from contextlib import ExitStack
 from enum import StrEnum
 from functools import partial
@@ -11,14 +10,12 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from rubnoise import __version__
-from rubnoise.answer import Answer, Row, rows
+from rubnoise.answer import Answer, rows
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import ReplaceFile, argument, option
 from rubnoise.cli.progress import stoppable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rubnoise.analysis.sound import Heard, Hearing, Level, Sound
 
 
@@ -56,9 +53,10 @@ def listen(
 
     Example: rubnoise listen few.h5 many.h5 --speed-up 10
     """
-    from rubnoise.analysis.sound import Sound, audible, level_of, on_one_scale
+    from rubnoise.analysis.sound import Sound, audible, level_of, on_one_scale, samples_of
     from rubnoise.cli.loading import finished_run
-    from rubnoise.storage.wave_file import check_length
+    from rubnoise.storage.output import whole_file
+    from rubnoise.storage.wave_file import check_length, write_wave
 
     for name, value in (("--speed-up", speed_up), ("--seconds", seconds)):
         if value is not None and not (isfinite(value) and value > 0.0):
@@ -80,7 +78,10 @@ def listen(
             check_length(sound.samples)
         levels = on_one_scale(level_of(sound, between) for sound in sounds)
         for path, sound, level in zip(paths, sounds, levels, strict=True):
-            _write(path, sound, level, between, force=force)
+            texts = wave_comments(sound, level)
+            with whole_file(path, force=force) as part:
+                pieces = samples_of(sound, level, between)
+                write_wave(part, pieces, samples=sound.samples, rate=sound.rate, texts=texts)
             show(sound_answer(path, sound, level, others=len(sounds) - 1), as_json=False)
 
 
@@ -94,16 +95,6 @@ def _check_paths(files: list[Path], paths: list[Path], *, force: bool) -> None:
         if path.suffix.lower() != ".wav":
             raise typer.BadParameter(f"{path} does not end in .wav")
         check_output(path, force=force, reads=files)
-
-
-def _write(path: Path, sound: "Sound", level: "Level", between: "Callable[[], None]", *, force: bool) -> None:
-    from rubnoise.analysis.sound import samples_of
-    from rubnoise.storage.output import whole_file
-    from rubnoise.storage.wave_file import write_wave
-
-    with whole_file(path, force=force) as part:
-        chunks = samples_of(sound, level, between)
-        write_wave(part, chunks, samples=sound.samples, rate=sound.rate, texts=wave_comments(sound, level))
 
 
 def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
@@ -140,17 +131,12 @@ def sound_answer(path: Path, sound: "Sound", level: "Level", others: int = 0) ->
         ("full_scale", level.full_scale, sound.units, f"{whose} 3 dB below"),
         ("mean", level.mean, sound.units, "taken away"),
         ("natural_frequency", sound.natural, "Hz", f"heard at {(sound.natural or 0.0) * sound.speed_up:.4g} Hz"),
+        ("middle", hearing and hearing.middle, "Hz", "half of the power lies below"),
+        ("audible_share", hearing and hearing.audible, "", "20 Hz to 20 kHz"),
+        ("level", hearing and level.laptop, "dB", "re full scale, 200 to 4000 Hz: what a laptop plays"),
     )
-    heard: Iterator[Row] = iter(())
-    if hearing is not None:
-        heard = rows(
-            "",
-            ("middle", hearing.middle, "Hz", "half of the power lies below"),
-            ("audible_share", hearing.audible, "", "20 Hz to 20 kHz"),
-            ("level", level.laptop, "dB", "re full scale, 200 to 4000 Hz: what a laptop plays"),
-        )
     title = f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}"
-    return Answer(title=title, rows=(*told, *heard), notes=_advice(hearing, sound.speed_up))
+    return Answer(title=title, rows=tuple(told), notes=_advice(hearing, sound.speed_up))
 
 
 def _advice(hearing: "Hearing | None", speed_up: float) -> tuple[str, ...]:

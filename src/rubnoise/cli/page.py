@@ -108,8 +108,6 @@ def _written(sources: Sequence[Path], form: PageForm, ends: Ends) -> tuple[str, 
         return lesson_page(sources[0] if sources else Path("first/rubbing")), ""
     if form == PageForm.report:
         return report_page(sources[0]), ""
-    if is_folder(sources[0]):
-        return _sweep(sources[0])
     views = [view_page(each, ends) for each in sources]
     if len(views) == 1:
         return views[0]
@@ -118,22 +116,19 @@ def _written(sources: Sequence[Path], form: PageForm, ends: Ends) -> tuple[str, 
     return side_by_side(dict(zip(map(str, sources), (text for text, _ in views), strict=True))), "two runs, "
 
 
-def view_page(file: Path, ends: Ends = (None, None)) -> tuple[str, str]:
-    """Return a page to explore a result, and which stretch of it has every tick."""
+def view_page(source: Path, ends: Ends = (None, None)) -> tuple[str, str]:
+    """Return a page to explore a result or a sweep, and what it holds in words."""
     from rubnoise.cli.loading import finished_run
     from rubnoise.figures.tracks import Stretch
     from rubnoise.pages.run_view import RunView
-
-    with finished_run(file) as run:
-        view = RunView.of(Stretch.of(run, *ends), str(file))
-        return view.page(), f"every tick from {view.stretch.start:g} to {view.stretch.stop:g} um, "
-
-
-def _sweep(folder: Path) -> tuple[str, str]:
     from rubnoise.pages.sweep_view import sweep_page
 
-    with rubnoise.open_sweep(folder) as sweep:
-        return sweep_page(sweep, str(folder)), f"{sweep.count('done'):,} runs, "
+    if is_folder(source):
+        with rubnoise.open_sweep(source) as sweep:
+            return sweep_page(sweep, str(source)), f"{sweep.count('done'):,} runs, "
+    with finished_run(source) as run:
+        view = RunView.of(Stretch.of(run, *ends), str(source))
+        return view.page(), f"every tick from {view.stretch.start:g} to {view.stretch.stop:g} um, "
 
 
 def report_page(file: Path) -> str:

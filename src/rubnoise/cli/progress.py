@@ -6,13 +6,9 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import cache, wraps
 from types import FrameType
-from typing import TYPE_CHECKING, Final, ParamSpec
+from typing import Final, ParamSpec
 
 from rubnoise.errors import RunStopped
-
-if TYPE_CHECKING:
-    from rubnoise.storage.reader import RunFile
-
 
 Bar = Callable[[float, float | None, str], None]
 """Shows how much is done of a whole, and words; without a whole it only moves."""
@@ -53,22 +49,6 @@ def stoppable_bar(words: str = "", *, shown: bool) -> Iterator[Bar]:
             show(done, whole, words)
 
         yield watched
-
-
-@contextmanager
-def watching_reads(run: "RunFile", *, shown: bool) -> Iterator[None]:
-    """Show which column of a file is being read."""
-    with bar(shown=shown) as show:
-        run.watch = lambda column, row, rows: show(row, rows, column)
-        try:
-            yield
-        finally:
-            run.watch = None
-
-
-def on_terminal() -> bool:
-    """Whether stderr is a terminal."""
-    return sys.stderr.isatty()
 
 
 def announce_compilation() -> None:

@@ -20,9 +20,9 @@ from rubnoise.cli.progress import (
     announce_compilation,
     announce_compilation_by_workers,
     interrupted_at_once,
-    on_terminal,
     stoppable_bar,
 )
+from rubnoise.figure_names import STATES
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
     if not quiet:
         announce_compilation()
     began, compiling = time.monotonic(), TimingListener()  # type: ignore[no-untyped-call]
-    distance, shown = scenario.model().distance, on_terminal() and not quiet
+    distance, shown = scenario.model().distance, sys.stderr.isatty() and not quiet
     with stoppable_bar("counting the births", shown=shown) as show_bar, install_listener("numba:compile", compiling):
 
         def watch(reached: float, junctions: int, live: int) -> None:
@@ -201,7 +201,7 @@ def sweep(
 
     asked = loaded(load_sweep, file, (*overrides(changes, engine=engine), *axes(over)), quiet=quiet or as_json)
     place = Path(file.stem) if folder is None else folder
-    shown = on_terminal() and not quiet and not as_json
+    shown = sys.stderr.isatty() and not quiet and not as_json
     if not quiet and not as_json:
         announce_compilation_by_workers()
     with stoppable_bar(shown=shown) as show_bar:
@@ -237,7 +237,6 @@ def sweep(
 
 def outcome(sweep: "Sweep", result: "SweepResult", imprecise: "list[Unmet]") -> Answer:
     """Return what came of a sweep: how many runs, and which points are short of the requested precision."""
-    counts = {state: result.count(state) for state in ("done", "failed", "planned")}
     short = Table(
         name="imprecise",
         columns={
@@ -247,7 +246,7 @@ def outcome(sweep: "Sweep", result: "SweepResult", imprecise: "list[Unmet]") -> 
         },
     )
     known: dict[str, Any] = {"folder": str(result.path), "index": str(result.path / "index.h5")}
-    known |= {"points": len(sweep.cases), "runs": len(result.runs), **counts}
+    known |= {"points": len(sweep.cases), "runs": len(result.runs), **counts(result)}
     return Answer(
         title=f"{result.path}: {len(sweep.cases):,} points, {runs_in_words(result)}",
         rows=tuple(
@@ -270,6 +269,10 @@ def failures(result: "SweepResult") -> Iterator[Table]:
 
 def runs_in_words(result: "SweepResult") -> str:
     """Return the number of runs, and how many are done, failed and planned."""
-    counts = {state: result.count(state) for state in ("done", "failed", "planned")}
-    told = ", ".join(f"{count:,} {state}" for state, count in counts.items() if count)
+    told = ", ".join(f"{count:,} {state}" for state, count in counts(result).items() if count)
     return f"{len(result.runs):,} runs: {told}"
+
+
+def counts(result: "SweepResult") -> dict[str, int]:
+    """Return how many runs are done, failed and planned."""
+    return {state: result.count(state) for state in STATES}

@@ -36,7 +36,6 @@ _WAVES: Final = 120
 
 
 def surface(
-    context: typer.Context,
     scans: Annotated[list[Path] | None, argument("SCAN [SCAN]", "A scan, or two: the track, then the slider.")] = None,
     *,
     cutoff: Annotated[str | None, option("LENGTH", 'Shortest wave that counts: "5 um".')] = None,
@@ -77,10 +76,8 @@ def surface(
     from rubnoise.storage.output import check_output
 
     for name in _SCENARIO if output is None and report is None else ():
-        source = context.get_parameter_source(name)
-        if source is not None and source.name == "COMMANDLINE":
-            option = f"--{name.replace('_', '-')}"
-            raise typer.BadParameter(f"{option} is for the scenario, which -o or --report writes")
+        if asked[name] is not None:
+            raise typer.BadParameter(f"--{name.replace('_', '-')} is for the scenario, which -o or --report writes")
     for path in (output, report):
         if path is not None:
             check_output(path, force=force, reads=scans or ())
@@ -108,7 +105,7 @@ def surface(
 
 
 def _ask_for_needed(track: "Surface", slider: "Surface | None", asked: dict[str, Any]) -> None:
-    """Refuse a call without a cut-off after the curve over cut-offs, and one without a load or a hardness."""
+    """Refuse a call without a cut-off, after the curve over cut-offs."""
     if asked["cutoff"] is None:
         lengths, counts = track.count_over_cutoff(slider, longest=asked["longest"])
         print("cut-off (um)  junctions at 1 % of the area", file=sys.stderr)
@@ -118,9 +115,6 @@ def _ask_for_needed(track: "Surface", slider: "Surface | None", asked: dict[str,
             '--cutoff is needed: the number of junctions depends on it as above; right form: --cutoff "5 um", a wave'
             " longer than the noise of the instrument"
         )
-    for name, example in (("load", "0.2 N"), ("hardness", "1 GPa")):
-        if asked[name] is None:
-            raise Refused(f'--{name} is needed; right form: --{name} "{example}"')
 
 
 def _wanted(asked: dict[str, Any]) -> dict[str, Any]:

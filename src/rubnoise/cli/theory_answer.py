@@ -105,8 +105,9 @@ def theory_answer(
     option requests it.
     """
     if model.slider is not None and model.slider.excitation == "velocity-weakening":
-        # Without junctions there is no noise: of the contact's force only the mean is left.
-        return Answer(title=title, rows=tuple(_weakening(model)))
+        # Without junctions there is no noise: of the contact's force only the mean is left (Block; Oden and Martins).
+        known = {"mean_force": force_cumulants(model).mean} | velocity_weakening(model)
+        return Answer(title=title, rows=tuple(named("velocity_weakening", known)))
     theory = exact(model)
     found = [*_moments(theory), *motion_rows(theory)]
     found += [*load_rows(theory), *_covariances(theory)] if model.held is not None else []
@@ -163,11 +164,6 @@ def _covariances(theory: Exact) -> Iterator[Row]:
 def _third_octaves(theory: Exact) -> Iterator[Table]:
     if theory.free is None and theory.load is not None:
         yield Table(name="third_octaves", columns=third_octaves(theory.model), units=UNITS | {"level": "dB"})
-
-
-def _weakening(model: Model) -> list[Row]:
-    """Return what a force that falls with speed does (Block; Oden and Martins)."""
-    return named("velocity_weakening", {"mean_force": force_cumulants(model).mean} | velocity_weakening(model))
 
 
 def _other_models(model: Model, *, white: bool) -> Iterator[Row]:
