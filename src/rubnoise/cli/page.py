@@ -17,7 +17,6 @@ from rubnoise.regular_file import is_folder
 
 Ends = tuple[float | None, float | None]
 
-
 PageForm = StrEnum("PageForm", "view report lesson")
 """What a page is for."""
 

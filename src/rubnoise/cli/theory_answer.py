@@ -203,8 +203,7 @@ def _distribution(model: Model, at: Mapping[str, Doubles], *, asked: bool) -> It
         if asked:
             raise Refused(f"--at-area: {refusal}") from refusal
         return
-    areas = at["area"]
-    columns = {"area": areas, "density": law.density(areas), "cdf": law.cdf(areas)}
+    columns = {"area": at["area"], "density": law.density(at["area"]), "cdf": law.cdf(at["area"])}
     atom = Row(part="distribution", name="atom_at_zero", value=float(law.atom_at_zero))
     yield [atom], Table(name="distribution", columns=columns, units=UNITS | {"density": "1/um^2"})
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
+from rubnoise.record.reader import Reader
 from rubnoise.web_page import filled, part, script_parts, web_page
 
 HERE: Final = "rubnoise.pages"
@@ -41,3 +42,9 @@ def written(write: Callable[[Path], None]) -> bytes:
         path = Path(folder) / "part"
         write(path)
         return path.read_bytes()
+
+
+def last_time(file: Reader, group: str) -> float:
+    """Return the time in s of the last row of a group."""
+    rows = file.rows(group)
+    return float(file.column(group, "time", rows - 1, rows)[0])

@@ -59,8 +59,7 @@ OF_FREE_MOTION: Final[dict[Kind, str]] = {
 
 SECONDS: Final = 5.0
 RATE: Final = 44_100
-SPEED_UP: Final = 1.0
-"""Length of the sound in s at most, samples a second, and how much faster it is than the run."""
+"""Length of the sound in s at most, and samples a second."""
 
 Between = Callable[[], None]
 
@@ -138,9 +137,9 @@ def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
 
 def _sound(file: Reader, between: Between) -> str:
     try:
-        sound = Sound.of(file, "velocity", rate=RATE, speed_up=SPEED_UP, seconds=None)
+        sound = Sound.of(file, "velocity", rate=RATE, speed_up=1.0, seconds=None)
         if sound.seconds > SECONDS:
-            sound = Sound.of(file, "velocity", rate=RATE, speed_up=SPEED_UP, seconds=SECONDS)
+            sound = Sound.of(file, "velocity", rate=RATE, speed_up=1.0, seconds=SECONDS)
         level = level_of(sound, between)
     except Refused:
         return ""

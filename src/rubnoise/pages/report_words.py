@@ -7,7 +7,7 @@ from rubnoise.analysis.moments import one_way_warnings
 from rubnoise.answer import length
 from rubnoise.figures.tracks import Stretch
 from rubnoise.model import FreeSeparation, Model
-from rubnoise.record.reader import Reader
+from rubnoise.pages.page import last_time
 
 
 def in_words(model: Model) -> list[str]:
@@ -82,12 +82,6 @@ def _separation(model: Model) -> str:
     if model.separation is None:
         return "The separation of the surfaces is held, so that the load varies as the area does."
     return "The slider rests on its load, and rises and falls with the resonance of its contact."
-
-
-def last_time(file: Reader, group: str) -> float:
-    """Return the time in s of the last row of a group."""
-    rows = file.rows(group)
-    return float(file.column(group, "time", rows - 1, rows)[0])
 
 
 def flights_in_words(stretch: Stretch) -> list[str]:

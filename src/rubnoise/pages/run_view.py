@@ -17,8 +17,7 @@ from rubnoise.errors import Refused
 from rubnoise.figures.tracks import Stretch, lowest_and_highest
 from rubnoise.model import Model
 from rubnoise.pages.lives import bytes_of, lives
-from rubnoise.pages.page import page
-from rubnoise.pages.report_words import last_time
+from rubnoise.pages.page import last_time, page
 from rubnoise.pages.statistics import exact_curves, whole_run
 from rubnoise.record.reader import Reader, chunks, column_chunks
 from rubnoise.record.rows import LandmarkKind
