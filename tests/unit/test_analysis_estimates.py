@@ -89,13 +89,13 @@ def expected(scale: float = 1.0) -> np.ndarray:
 
 
 def test_a_histogram_is_the_density_of_its_law_and_of_no_other() -> None:
-    found = histogram(memory(400_000, seed_of("histogram")), 1.0, EDGES)
+    found = histogram(memory(400_000, seed_of("histogram")), EDGES)
     assert np.max(np.abs(found.density - expected()) / found.standard_error) <= 4.5
     assert np.max(np.abs(found.density - expected(1.1)) / found.standard_error) > 6.0
 
 
 def test_errors_of_independent_values_are_binomial() -> None:
-    found = histogram(white(200_000, seed_of("histogram")) - 3.0, 1.0, EDGES)
+    found = histogram(white(200_000, seed_of("histogram")) - 3.0, EDGES)
     share = expected() * np.diff(EDGES)
     binomial = np.sqrt(share * (1.0 - share) / 200_000) / np.diff(EDGES)
     assert found.standard_error == pytest.approx(binomial, rel=0.3)

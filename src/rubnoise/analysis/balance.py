@@ -78,11 +78,6 @@ class Balance:
         return held + slider.stiffness * self.displacement_integral
 
     @property
-    def given(self) -> float:
-        """Work of the drive, V int F dt, in uN um."""
-        return self.speed * self.impulse
-
-    @property
     def dissipated(self) -> float:
         """Energy dissipated by the dashpot, c int x'^2 dt, in uN um."""
         return self.slider.damping * self.velocity_squared_integral
@@ -99,12 +94,12 @@ class Balance:
         """Largest of the works in uN um, the scale of residuals."""
         slider = self.slider
         held = 0.5 * slider.stiffness * max(self.displacement * self.displacement, self.start * self.start)
-        return max(abs(self.given), self.friction_work, self.dissipated, held)
+        return max(abs(self.speed * self.impulse), self.friction_work, self.dissipated, held)
 
     @property
     def energy_residual(self) -> float:
         """Residual of the energy balance over its largest term: 0 except for the errors of the steps."""
-        missing = self.given - (self.friction_work + self.dissipated + self.stored)
+        missing = self.speed * self.impulse - (self.friction_work + self.dissipated + self.stored)
         return missing / self.scale if self.scale > 0.0 else 0.0
 
     @property

@@ -125,13 +125,22 @@ def law_of_area(seen: MeasuredRun) -> Iterator[Row]:
     If the share has a score, the distribution is that of the areas in contact: the atom and the continuous part have a
     figure each. If not, it is the whole distribution, with the atom. Raises Refused if theory has none.
     """
-    atom = distribution(seen.model).atom_at_zero
-    share = _zero_share(seen)
-    if share.value is not None:
-        yield from (share, _distance(seen, in_contact=True))
+    exact, share, name = distribution(seen.model), _zero_share(seen), "real_contact_area_kolmogorov"
+    in_contact, atom = share.value is not None, exact.atom_at_zero
+    if in_contact:
+        yield share
+    # Ticks farther apart than the longest life share no junction: their areas are independent.
+    first, apart = seen.layout.first["trace"], seen.layout.apart
+    areas, counts, _ = seen.sampled[:, first // apart :]
+    areas = areas[counts > 0] if in_contact else areas
+    jump, rest = (0.0, 1.0 - atom) if in_contact else (atom, 1.0)
+    if areas.size < findings.FEWEST:
+        yield findings.too_short(name, (first + apart * findings.FEWEST / rest) * seen.model.tick)
     else:
-        yield _distance(seen, in_contact=False)
-        yield from [share] if atom > SMALLEST_ATOM else []
+        heights = (np.asarray(exact.cdf(areas), dtype=np.float64) - (atom - jump)) / rest
+        yield findings.kolmogorov_figure(name, findings.sample_distance(areas, heights, jump), areas.size, jump)
+    if not in_contact and atom > SMALLEST_ATOM:
+        yield share
 
 
 def _zero_share(seen: MeasuredRun) -> Row:
@@ -145,25 +154,6 @@ def _zero_share(seen: MeasuredRun) -> Row:
     tail = findings.Tail(skewness=skewness, needed=needed if needed > length else 0.0)
     value = seen.zero_ticks / seen.ticks()
     return findings.judged(name, value, exact, error, length=length, skewness=0.0, tail=tail)
-
-
-def _distance(seen: MeasuredRun, *, in_contact: bool) -> Row:
-    """Return the distance from the law of all areas, or from that of the areas while a junction is alive.
-
-    Ticks farther apart than the longest life share no junction: their areas are independent.
-    """
-    name, exact = "real_contact_area_kolmogorov", distribution(seen.model)
-    first, apart = seen.layout.first["trace"], seen.layout.apart
-    areas, counts, _ = seen.sampled[:, first // apart :]
-    areas = areas[counts > 0] if in_contact else areas
-    atom = exact.atom_at_zero
-    share = 1.0 - atom if in_contact else 1.0
-    if areas.size < findings.FEWEST:
-        return findings.too_short(name, (first + apart * findings.FEWEST / share) * seen.model.tick)
-    heights = np.asarray(exact.cdf(areas), dtype=np.float64)
-    if in_contact:
-        return findings.kolmogorov_figure(name, findings.sample_distance(areas, (heights - atom) / share), areas.size)
-    return findings.kolmogorov_figure(name, findings.sample_distance(areas, heights, atom=atom), areas.size, atom)
 
 
 # The motion.

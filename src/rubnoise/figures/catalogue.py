@@ -84,9 +84,8 @@ def drawing(
         options["beside"] = beside
     with style.house_style(look.style), style.in_place_of(ax) as place:
         figure = style.new_figure(*(look.inches or size)) if place is None else place
-        whose = style.contact_label(stretch.model) if beside is None else f"and over it {beside.name}"
-        between = ": " if beside is None else ", "
-        style.put_title(figure, *draw(figure, stretch, **options).splitlines(), f"{stretch.name}{between}{whose}")
+        whose = f": {style.contact_label(stretch.model)}" if beside is None else f", and over it {beside.name}"
+        style.put_title(figure, *draw(figure, stretch, **options).splitlines(), f"{stretch.name}{whose}")
         if measured is not None:
             label, over, density = measured
             figure.axes[0].plot(over, density, color=style.INK, lw=1.0, label=style.shortened(label))

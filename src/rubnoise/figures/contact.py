@@ -44,7 +44,6 @@ class Stage:
     y: Doubles
     width: float
     height: float
-    largest_area: float
 
     def draw(self, axes: "Axes") -> None:
         """Draw the pairs, their overlaps in shades of area, and signs of births and deaths."""
@@ -57,7 +56,8 @@ class Stage:
         aside = None if pairs.offset is None else pairs.offset[touching]
         areas = area_of(pairs.pulse, self.distance - pairs.birth[touching], pairs.diameter[touching], aside)
         lenses = [self._lens(i, float(shift[i])) for i in touching.tolist()]
-        overlaps = PolyCollection(lenses, array=areas, cmap=shades, clim=(0.0, self.largest_area), lw=0.0, zorder=2)
+        most = 0.25 * pi * float(pairs.diameter.max(initial=1.0)) ** 2
+        overlaps = PolyCollection(lenses, array=areas, cmap=shades, clim=(0.0, most), lw=0.0, zorder=2)
         self._circles(axes, 0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1)
         axes.add_collection(overlaps)
         upper = "upper surface, sliding \N{RIGHTWARDS ARROW}"
@@ -127,7 +127,6 @@ def stage_of(stretch: Stretch, distance: float) -> Stage:
         y=(row + MARGIN) * high,
         width=sizes[columns][0],
         height=sizes[columns][1],
-        largest_area=float(0.25 * pi * largest**2),
     )
 
 
