@@ -160,7 +160,7 @@ def test_only_who_opens_a_file_knows_more_of_it_than_its_rows_and_what_it_says()
     name = re.compile(r"import .*\bRunFile\b")
     knowing = {path.relative_to(PACKAGE).as_posix() for path in files() if name.search(path.read_text())}
     elsewhere = {name for name in knowing if not name.startswith("storage/")}
-    assert elsewhere == {"api/run.py", "api/running.py", "cli/progress.py", "cli/loading.py", "runs/verification.py"}
+    assert elsewhere == {"api/run.py", "api/running.py", "cli/loading.py", "runs/verification.py"}
 
 
 def test_imports_are_found_wherever_they_stand() -> None:

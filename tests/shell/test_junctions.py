@@ -36,7 +36,7 @@ def test_json_is_one_object_with_everything(result: Path) -> None:
     with open_run(result) as run:
         row = run.junction(40)
         rows = len(run.junctions)
-    assert f"junction 40 of 0 to {rows - 1}, a complete life" in answer.json()["title"]
+    assert f"junction 40 of 0 to {rows - 1}, complete" in answer.json()["title"]
     life = told["junction"]
     assert life["state"] == ["complete"]
     for name in ("birth_distance", "death_distance", "diameter", "max_area", "shear_strength", "birth_time"):

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 import rubnoise
 from rubnoise.cli.app import COMMANDS, escaped, escaping
-from rubnoise.cli.compare import verify
+from rubnoise.cli.progress import bar
+from rubnoise.storage.reader import open_run
 from tests.files.runs import attempt
 from tests.shell.terminal import (
     WITH_SLIDER,
@@ -214,7 +215,9 @@ def test_a_look_through_a_file_is_shown_where_it_is(monkeypatch: pytest.MonkeyPa
     attempt(tmp_path / "run.h5")
     for shown in (True, False):
         monkeypatch.setattr("sys.stderr", screen := Screen())
-        verify(tmp_path / "run.h5", as_json=not shown)
+        with open_run(tmp_path / "run.h5") as run, bar(shown=shown) as show:
+            run.watch = lambda column, row, rows, show=show: show(row, rows, column)
+            run.column("trace", "distance")
         assert ("/trace/distance" in screen.getvalue()) == shown
 
 
