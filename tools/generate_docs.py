@@ -13,7 +13,7 @@ from pathlib import Path
 from parts import filled, parts_of
 
 from rubnoise.scenario.document import SECTIONS, TOP, presence
-from rubnoise.scenario.fields import Choice, Key, Line, Measure, Number, Parts, Sizes, keys_of
+from rubnoise.scenario.fields import Choice, Key, Measure, Number, Parts, Sizes, keys_of
 from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
@@ -141,12 +141,12 @@ def _values(about: Key) -> str:
         case Choice(available=available):
             explained = all(f"{word}: " in about.about for word in available)
             return "" if explained else ", ".join(f'`"{word}"`' for word in available)
-        case Line():
+        case Sizes(what=what):
+            return f"list of {what}, each a positive number or a length"
+        case Parts():
+            return "list of tables with `law`, `mean` and `spread`"
+        case _:
             return "text"
-        case (Sizes() | Parts()) as a_list:
-            return a_list.words
-        case other:
-            raise TypeError(f"no words for {type(other).__name__}")
 
 
 def _default(about: Key, values: str) -> str:

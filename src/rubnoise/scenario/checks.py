@@ -1,6 +1,7 @@
 """Problems and warnings of a scenario whose keys are all valid: plausibility, ticks, calibration, cost."""
 
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 from typing import Final
 
 from rubnoise.contact.births import ScatteredBirths
@@ -38,7 +39,7 @@ def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
             if isinstance(value, Quantity) and isinstance(measure, Measure) and value not in measure.plausible:
                 size = "large" if value > measure.plausible.high else "small"
                 message = f"implausibly {size} ({value.kind.number(value)})"
-                yield layers.problem((name, key), message, _other_prefix(value, measure), severity="warning")
+                yield replace(layers.problem((name, key), message, _other_prefix(value, measure)), severity="warning")
 
 
 def _other_prefix(value: Quantity, measure: Measure) -> str:
@@ -101,7 +102,7 @@ def _resonance_problems(document: Document, layers: Layers, model: Model) -> Ite
         message = f"the contact resonance turns by {turned:.3g} rad in a tick: exact, but coarsely sampled"
         finer = COARSE * model.tick / turned
         hint = f'about "{finer:.2g} um" shows it well' + _where_from(document)
-        yield layers.problem(_TICK, message, hint, severity="warning")
+        yield replace(layers.problem(_TICK, message, hint), severity="warning")
 
 
 def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
@@ -124,7 +125,7 @@ def _excitation_problems(document: Document, layers: Layers, wrong: Collection[s
     if slider.excitation != "base" or (document.pulse.shape != "triangle" and "pulse" not in wrong):
         why, hint = ("", "") if slider.excitation != "base" else (" of such lives", 'pulse.shape = "triangle"')
         message = f'the excitation "{slider.excitation}"{why} has no run: rubnoise theory works it out'
-        yield layers.problem(_EXCITATION, message, hint, forbids_run=True)
+        yield replace(layers.problem(_EXCITATION, message, hint), forbids_run=True)
     if slider.excitation == "base" and document.diameter.law != "fixed":
         message = "excitation by the base is known for equal diameters alone"
         yield layers.problem(_EXCITATION, message, 'diameter.law = "fixed"')
@@ -188,7 +189,8 @@ def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
     alive = model.mean_live_junctions
     if alive > LIVE_JUNCTIONS:
         message = f"{alive:.3g} junctions alive at once expected; at most {LIVE_JUNCTIONS:.0e}"
-        yield layers.problem(_COUNT, message, "fewer junctions or a smaller diameter.spread", forbids_run=True)
+        hint = "fewer junctions or a smaller diameter.spread"
+        yield replace(layers.problem(_COUNT, message, hint), forbids_run=True)
 
 
 def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
@@ -203,4 +205,4 @@ def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator
         f"at most {RESULT_ROWS:.0e} rows"
     )
     hint = f"make sliding.distance shorter or output.tick longer{_where_from(document)}"
-    yield layers.problem(_DISTANCE, message, hint, forbids_run=True)
+    yield replace(layers.problem(_DISTANCE, message, hint), forbids_run=True)

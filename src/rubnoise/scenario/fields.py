@@ -62,9 +62,7 @@ class Measure(Field):
 
     def of_python(self, value: Any) -> Quantity:
         """Return a quantity; a bare number is in working units, as it is never in a file."""
-        if is_of_pint(value) or isinstance(value, Quantity):
-            return self._within(quantity_of(value, *self.kinds))
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        if isinstance(value, bool | Quantity) or not isinstance(value, int | float):
             return self.read(value)
         if reason := _no_double(value):
             raise Unfit(reason)
@@ -73,13 +71,12 @@ class Measure(Field):
         return self._within(Quantity(exact, self.kinds[0]))
 
     def read(self, value: Any) -> Quantity:
-        """Return the quantity that a text writes."""
-        if not isinstance(value, str):
-            raise self.refusal(value)
-        return self._within(read_quantity(value, *self.kinds))
+        """Return the quantity that a text writes, or one of Python."""
+        if not isinstance(value, str | Quantity) and not is_of_pint(value):
+            raise self._refusal(value)
+        return self._within(quantity_of(value, *self.kinds))
 
-    def refusal(self, value: Any) -> Unfit:
-        """Return the refusal of a value that is not a text, with the right form."""
+    def _refusal(self, value: Any) -> Unfit:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             return Unfit(f"needs a number with a unit, not {_named(value)}", f'right form: "{self.kinds[0].example}"')
         if reason := _no_double(value):
@@ -205,11 +202,6 @@ class Sizes(Field):
 
     what: str
 
-    @property
-    def words(self) -> str:
-        """What a page says of the value."""
-        return f"list of {self.what}, each a positive number or a length"
-
     def read(self, value: Any) -> tuple[float, ...]:
         """Return the numbers."""
         if not isinstance(value, list | tuple) or not 1 <= len(value) <= MOST:
@@ -220,11 +212,6 @@ class Sizes(Field):
 @dataclass(frozen=True, slots=True)
 class Parts(Field):
     """A list of tables: law, mean, and spread if the law takes one."""
-
-    @property
-    def words(self) -> str:
-        """What a page says of the value."""
-        return "list of tables with `law`, `mean` and `spread`"
 
     def read(self, value: Any) -> tuple[dict[str, Any], ...]:
         """Return the tables, means in um and spreads as they are written."""

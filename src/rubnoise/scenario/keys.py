@@ -9,7 +9,7 @@ from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import OFF_CENTRE
 from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Document, Interface, Sliding, presence
-from rubnoise.scenario.fields import Key, Measure, did_you_mean, keys_of
+from rubnoise.scenario.fields import Key, did_you_mean, keys_of
 from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES, Layers
 from rubnoise.scenario.scenario import CONTACT, RAYLEIGH, completed
 from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
@@ -67,7 +67,7 @@ def format_problems(layers: Layers) -> list[Problem]:
     return problems
 
 
-def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list[Problem]]:
+def read(layers: Layers) -> tuple[Document, set[str], list[Problem]]:
     """Return the document, the tables of it that are wrong, and the problems of all keys, alone and in combination.
 
     A default stands in for a wrong table. If a line is broken, it may be any key of its table; if it is in no table,
@@ -83,7 +83,7 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
     right: dict[str, Any] = {"format": FORMAT, "interface": Interface(), "sliding": _ANY_DISTANCE}
     for name, given in {**needed, **layers.data}.items():
         if name in TOP:
-            right |= values_of(TOP, layers, (), {name: given}, problems, from_python=from_python)
+            right |= values_of(TOP, layers, (), {name: given}, problems)
         elif name not in SECTIONS:
             problems.append(unknown(layers, (name,)))
         elif isinstance(given, Mapping):
@@ -92,7 +92,7 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
             lacking = [key for key, about in known.items() if about.is_needed and key not in given]
             problems += [missing(layers, (name, key)) for key in lacking if name not in broken]
             before = len(problems)
-            values = values_of(known, layers, (name,), given, problems, from_python=from_python)
+            values = values_of(known, layers, (name,), given, problems)
             if lacking or len(problems) > before:
                 wrong.add(name)
             elif name not in wrong:
@@ -108,13 +108,7 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
 
 
 def values_of(
-    known: Mapping[str, Key],
-    layers: Layers,
-    table: Path,
-    given: Mapping[str, Any],
-    problems: list[Problem],
-    *,
-    from_python: bool = False,
+    known: Mapping[str, Key], layers: Layers, table: Path, given: Mapping[str, Any], problems: list[Problem]
 ) -> dict[str, Any]:
     """Return the values of the known keys of a table, without those that are refused, which join the problems."""
     values = {}
@@ -122,23 +116,12 @@ def values_of(
         about = known.get(key)
         if about is None or (value is None and about.default is None and not about.is_needed):
             continue
+        from_python = layers.source_of((*table, key)).kind == "values"
         try:
             values[key] = about.kind.of_python(value) if from_python else about.kind.read(value)
         except Unfit as unfit:
             problems.append(layers.problem((*table, key), str(unfit), unfit.hint))
     return values
-
-
-def without_unit(layers: Layers, paths: Collection[Path]) -> list[Problem]:
-    """Return the problems of quantities at these keys that are numbers without a unit."""
-    problems: list[Problem] = []
-    for table, key in paths:
-        about = keys_of(SECTIONS[str(table)]).get(str(key)) if table in SECTIONS else None
-        value = layers.table(str(table)).get(str(key))
-        if about and isinstance(about.kind, Measure) and isinstance(value, int | float) and not isinstance(value, bool):
-            unfit = about.kind.refusal(value)
-            problems.append(layers.problem((table, key), str(unfit), unfit.hint))
-    return problems
 
 
 def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:

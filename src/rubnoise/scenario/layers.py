@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path as FilePath
-from typing import Any, Final, Literal, Self
+from typing import Any, Final, Self
 
 import numpy as np
 
@@ -77,19 +77,9 @@ class Layers:
         """Return the place where the key that counts is named."""
         return self.source_of(path).key_place(path)
 
-    def problem(
-        self,
-        path: Path,
-        message: str,
-        hint: str = "",
-        *,
-        place: Place | None = None,
-        severity: Literal["error", "warning"] = "error",
-        forbids_run: bool = False,
-    ) -> Problem:
+    def problem(self, path: Path, message: str, hint: str = "", *, place: Place | None = None) -> Problem:
         """Return what is wrong with a key, shown at its value if no other place is given."""
-        shown = place or self.value_place(path)
-        return Problem(path=path, message=message, place=shown, hint=hint, severity=severity, forbids_run=forbids_run)
+        return Problem(path=path, message=message, place=place or self.value_place(path), hint=hint)
 
     def topped(self, source: Source) -> "Layers":
         """Return these layers with another one on top."""
@@ -117,11 +107,15 @@ def from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
 
 
 def from_values(name: str, *values: Mapping[str, Any]) -> Layers:
-    """Return the layers of values given in Python; in all but the first one None takes a key away."""
+    """Return the layers of values given in Python.
+
+    In all but the first one None takes a key away, and a quantity needs a unit, as in a setting.
+    """
     nowhere = Place(source=name, line=0, text="", start=0, end=0)
     places: Places = {(): (nowhere, nowhere)}
-    sources = tuple(Source(name=name, kind="values", data=plain(each), places=places) for each in values)
-    return Layers(main=sources[0], sources=sources, data=reduce(_laid, (dict(each.data) for each in sources)))
+    first, *others = (Source(name=name, kind="values", data=plain(each), places=places) for each in values)
+    sources = (first, *(replace(each, kind="setting") for each in others))
+    return Layers(main=first, sources=sources, data=reduce(_laid, (dict(each.data) for each in sources)))
 
 
 def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[str]) -> Layers:

@@ -108,7 +108,7 @@ def build(values: Mapping[str, Any], name: str = "<python>", read: ReadSizes | N
     Working units are um, um^2, um/s, kg, MPa, N/m and N s/m; ``read`` is as for `load`. Raises ScenarioRefused with
     every problem.
     """
-    return checked(layers.from_values(name, values), read, from_python=True)
+    return checked(layers.from_values(name, values), read)
 
 
 def stored(resolved: object, what: str = "the scenario in the file") -> Scenario:
@@ -120,31 +120,27 @@ def stored(resolved: object, what: str = "the scenario in the file") -> Scenario
         raise RunFileRefused(f"{what} is not valid") from problem
 
 
-def checked(
-    given: Layers, read: ReadSizes | None = None, *, from_python: bool = False, more: Sequence[Problem] = ()
-) -> Scenario:
-    """Return the scenario of its layers; raises ScenarioRefused with everything wrong with it, and with ``more``."""
+def checked(given: Layers, read: ReadSizes | None = None) -> Scenario:
+    """Return the scenario of its layers; raises ScenarioRefused with everything wrong with it."""
     if SWEEP in given.data:
         hint = "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run"
         message = "a sweep is many runs, but this command needs one scenario"
         many = given.problem((SWEEP,), message, hint, place=given.key_place((SWEEP,)))
         raise ScenarioRefused(report([*given.problems, many]))
-    scenario, problems = examined(given, read, from_python=from_python)
-    if scenario is None or more:
-        raise ScenarioRefused(report([*problems, *more]))
+    scenario, problems = examined(given, read)
+    if scenario is None:
+        raise ScenarioRefused(report(problems))
     return scenario
 
 
-def examined(
-    given: Layers, read: ReadSizes | None = None, *, from_python: bool = False
-) -> tuple[Scenario | None, list[Problem]]:
+def examined(given: Layers, read: ReadSizes | None = None) -> tuple[Scenario | None, list[Problem]]:
     """Return the scenario of its layers, or None, and all errors and warnings."""
     given = sized(given)
     formats = keys.format_problems(given)
     if any(problem.message != "missing" for problem in formats):
         return None, [*given.problems, *formats]  # the other keys may well be right in that format
     given, unread = with_values(given, read)
-    document, wrong, problems = keys.read(given, from_python=from_python)
+    document, wrong, problems = keys.read(given)
     wrong |= {_TABLE} if unread else set()
     model, tick, more = modelled(document, given, wrong)
     problems = [*given.problems, *formats, *unread, *problems, *more]
@@ -191,10 +187,7 @@ def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
             above[table] = {**(above.get(table) or {}), key: value}
         elif not table:
             above[key] = {**(above.get(key) or {}), **value} if isinstance(value, Mapping) else value
-    given = layers.from_values("<python>", below, above)
-    # A quantity that is changed needs a unit, as in a file.
-    changed = [(name, key) for name, table in above.items() if isinstance(table, Mapping) for key in table]
-    made = checked(given, from_python=True, more=keys.without_unit(given, changed))
+    made = checked(layers.from_values("<python>", below, above))
     return replace(made, text=made.to_toml())
 
 

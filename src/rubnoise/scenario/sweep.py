@@ -180,11 +180,9 @@ _ENGINE_OF_SWEEPS = "batch"
 def point_source(given: Layers, table: Table, indices: tuple[int, ...]) -> tuple[dict[str, Any], Source]:
     """Return the swept values of a point by their dotted keys, and as a source to lay on top of the file.
 
-    Each value is shown where its list is. The engine is that of sweeps if the file names none.
+    Each value is shown where its list is.
     """
-    run = given.data.get("run", {})
-    unsaid = isinstance(run, dict) and "engine" not in run
-    data: dict[str, Any] = {"run": {"engine": _ENGINE_OF_SWEEPS}} if unsaid else {}
+    data: dict[str, Any] = {}
     values = {}
     places: dict[Path, tuple[Place, Place]] = {(): (given.key_place(()), given.value_place(()))}
     for axis, index in zip(table.axes, indices, strict=True):
@@ -238,6 +236,7 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
         alone = f"{given.main.name}: no sweep: it has no table [sweep]; {ways}"
         raise ScenarioRefused(report(given.problems) or alone)
     table, wrong = read_table(given)
+    given = given.on({"run": {"engine": _ENGINE_OF_SWEEPS}})
     settings, read = table.settings, read and cache(read)  # a file is read once, not at every point
     points: list[Examined] = []
     for indices in islice(table.choices(), _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None):
