@@ -123,7 +123,6 @@ RATIOS = tuple(name for name, unit in UNITS.items() if unit.dimension == RATIO.d
 
 
 def _product(text: str) -> Unit:
-    """Return the product of the units and powers that a text names."""
     size, dimension = Fraction(1), tuple[int, ...]((0, 0, 0))
     for operator, name, power in _FACTORS.findall(text):
         unit, exponent = UNITS[name], int(power or 1) * (-1 if "/" in operator else 1)
@@ -243,7 +242,6 @@ def _name_hint(name: str) -> str:
 
 
 def _power_hint(text: str, number: str) -> str:
-    """Advise um^2 for um2."""
     powered = _BARE_POWER.sub(r"^\1", text)
     return f'write "{number} {powered}"' if powered != text and _UNIT.fullmatch(powered) else ""
 

@@ -37,13 +37,8 @@ class PowerSpectrum(Table):
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
     ...     seen = run.psd("velocity")
-<<<<<<< ours
     >>> seen.frequency.units, seen.density.units, round(float(seen.frequency[seen.density.argmax()]))
     ('Hz', '(m/s)^2/Hz', 39)
-=======
-    >>> seen.units, seen.place_units, bool(seen.density[abs(seen.frequency - 39.0).argmin()] > seen.density[-1])
-    ('(m/s)^2/Hz', 'Hz', True)
->>>>>>> theirs
     """
 
     def __init__(self, name: str, columns: Mapping[str, Column], segments: int) -> None:

@@ -115,7 +115,6 @@ def without_form(surface: HeightMap, form: str) -> HeightMap:
 
 
 def _polynomial(heights: Doubles, degree: int) -> Doubles:
-    """Return the polynomial of least squares in both places."""
     along, across = np.ix_(*(np.linspace(-1.0, 1.0, n) for n in heights.shape))
     terms = np.stack([(along**i * across**j).ravel() for i in range(degree + 1) for j in range(degree + 1 - i)])
     weights = np.linalg.solve(terms @ terms.T, terms @ heights.ravel())

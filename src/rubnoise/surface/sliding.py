@@ -1,6 +1,5 @@
 """Two surfaces under a load: exact theory and counted patches side by side, and the scenario of their noise."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, inf, isfinite, log10, pi, sqrt
@@ -175,16 +174,15 @@ class SlidingContact:
         motion = {"speed": speed, "mass": mass, "damping_ratio": damping_ratio}
         if not (mass is None and damping_ratio is None) and None in motion.values():
             raise Refused("a load that moves needs mass=, damping_ratio= and speed=")
-        return "".join(f"# {line}\n" for line in self._provenance()) + self._text(distance, **motion)
-
-    def _provenance(self) -> Iterator[str]:
-        yield "What `rubnoise surface` found of two scans."
+        told = ["What `rubnoise surface` found of two scans."]
         for role, each, scan in zip(("track", "slider"), (self.track, self.slider), self.scans, strict=True):
-            yield f"{role}: {each.name}, heights {scan.digest}"
-            yield from (f"  {done}" for done in each.history)
-        yield f"nominal area {self.nominal_area:.6g} um^2, level u = {self.gaussian.level:.6g}"
-        yield f"rms height of the sum {self.gaussian.roughness:.6g} um"
-        yield f"patches counted over those of Gaussian surfaces: {self.honesty:.3g}"
+            told += [f"{role}: {each.name}, heights {scan.digest}", *(f"  {done}" for done in each.history)]
+        told += [
+            f"nominal area {self.nominal_area:.6g} um^2, level u = {self.gaussian.level:.6g}",
+            f"rms height of the sum {self.gaussian.roughness:.6g} um",
+            f"patches counted over those of Gaussian surfaces: {self.honesty:.3g}",
+        ]
+        return "".join(f"# {line}\n" for line in told) + self._text(distance, **motion)
 
     def _text(self, distance: float | None = None, **motion: float | None) -> str:
         lives = LIVES * 2.0 * sqrt(self.gaussian.real_contact_area / self.gaussian.junction_count)

@@ -114,7 +114,6 @@ def self_affine(
 
 
 def _check(points: int, spacing: float, roughness: float, hurst: float, rolloff: float, cutoff: float) -> None:
-    """Raises Refused for an impossible surface."""
     if not FEWEST_POINTS <= points <= MOST_POINTS:
         raise Refused(f"points=: {points} is not between {FEWEST_POINTS} and {MOST_POINTS:,}")
     for name, value in (("spacing", spacing), ("roughness", roughness)):
