@@ -36,6 +36,9 @@ ORIGIN = {
 }
 
 
+_INTERFACE = {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20}
+
+
 def describe(
     junctions: int = 7,
     ticks: int = 11,
@@ -59,7 +62,13 @@ def describe(
         provenance={
             "scenario_toml": scenario_toml,
             "scenario_resolved": json.dumps(
-                {"run": {"seed": 1}, "title": "µm"}
+                {
+                    "run": {"seed": 1},
+                    "title": "µm",
+                    "interface": _INTERFACE,
+                    "sliding": {"distance": "1 mm"},
+                    "format": 1,
+                }
                 | ({"pulse": {"shape": "lens", "offset": "uniform"}} if "offset" in features else {})
             ),
             **ORIGIN,

@@ -11,7 +11,6 @@ from rubnoise.analysis.moments import covariance_errors
 from rubnoise.analysis.records import (
     FEWEST_BATCHES,
     CovarianceSum,
-    RecordTooShort,
     batch_length,
     histogram,
     integrated_autocorrelation,
@@ -27,7 +26,7 @@ from tests.unit.theory_models import Doubles, memory, white
 
 def test_batches_know_of_the_correlation() -> None:
     values = memory(200_000, seed_of("memory"))
-    length = batch_length(values, 1.0, "mean", None)
+    length = batch_length(values)
     means = values[: values.size // length * length].reshape(-1, length).mean(axis=1)
     error = float(means.std(ddof=1)) / means.size**0.5
     assert error == pytest.approx((19.0 / 200_000) ** 0.5, rel=0.25)
@@ -36,10 +35,9 @@ def test_batches_know_of_the_correlation() -> None:
 
 def test_batches_are_many_and_long() -> None:
     values = memory(20_000, seed_of("memory"))
-    length = batch_length(values, 1.0, "mean", None)
+    length = batch_length(values)
     assert 10.0 * integrated_autocorrelation(values) <= length <= values.size // FEWEST_BATCHES
-    with pytest.raises(RecordTooShort, match=r"mean: 1000 um of sliding are too short for it; it needs about .* um"):
-        batch_length(values[:1000], 1.0, "mean", None)
+    assert batch_length(values[:1000]) == 1000
 
 
 SHORTER = bare(tick=0.25, distance=6000.0)

@@ -15,7 +15,7 @@ from rubnoise.analysis.births import ROUNDING, births, marks, scattered, start, 
 from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
 from rubnoise.analysis.measured import STRETCHES, MeasuredRun, measured_run
 from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, needed_for_mean, over_ticks, slowest_decay
-from rubnoise.analysis.records import RecordTooShort, longer
+from rubnoise.analysis.records import longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
 from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
 from rubnoise.answer import Row, left_out
@@ -23,7 +23,6 @@ from rubnoise.contact.distributions import Fixed
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.reader import Rows
-from rubnoise.record.tally import Moments
 from rubnoise.theory.coupling import load_motion
 from rubnoise.theory.moments import area_cumulants, distribution, force_cumulants, zero_share
 from rubnoise.theory.motion import DrivenOscillator, contact_drive_of, drive_of
@@ -276,8 +275,8 @@ PARTS: Final[dict[str, tuple[str, dict[str, Producer]]]] = {
 def compare(model: Model, rows: Rows, bound: float | None = None) -> findings.Comparison:
     """Return the comparison of a run with theory; ``bound`` replaces the family-wise bound on |z|.
 
-    Only stored rows count, and no figure that the run has stored. They are read once, in chunks. Raises
-    RecordTooShort, with the mean area, for a run too short even for a score of that, RunFileRefused for damaged rows.
+    Only stored rows count, and no figure that the run has stored. They are read once, in chunks. Raises Refused, with
+    the length that it needs, for a run too short even for a score of its mean area, RunFileRefused for damaged rows.
     """
     seen = measured_run(model, rows)
     if model.free is not None:
@@ -285,8 +284,8 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> findings.Co
         return findings.comparison({"load": found}, {"load": 0.0}, bound)
     first, needed = seen.layout.first["trace"] * model.tick, needed_for_mean(model)
     if seen.ticks() * model.tick < needed:
-        length, mean = (model.tick_count + 1) * model.tick, seen.moments.get(AREA, Moments()).mean
-        raise RecordTooShort("a comparison with the theory", mean, length=length, needed=first + needed)
+        short = f"{(model.tick_count + 1) * model.tick:.6g} um of sliding are too short for it"
+        raise Refused(f"a comparison with the theory: {short}; it needs about {first + needed:.3g} um")
     begins = {heading: seen.layout.first.get(group, 0) * model.tick for heading, (group, _) in PARTS.items()}
     return findings.comparison(
         {heading: _found(seen, producers) for heading, (_, producers) in PARTS.items()}, begins, bound

@@ -1,4 +1,4 @@
-"""A record: its autocovariance, its density, and figures with a standard error or the length that the record needs.
+"""A record: its autocovariance, and its density with standard errors.
 
 numpy's transforms have the bits and the speed of scipy's, and importing scipy takes longer than all of numpy.
 
@@ -8,30 +8,13 @@ Source: Law and Kelton, Simulation Modeling and Analysis, section 9.5.3.
 """
 
 from dataclasses import dataclass
-from math import ceil, inf, isfinite
+from math import ceil, inf
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles, Integers
-from rubnoise.errors import Refused
 from rubnoise.tables import fields_as_text
-
-
-class RecordTooShort(Refused):
-    """A record is too short for a standard error of a figure; the figure itself is in ``estimate``.
-
-    ``length`` and ``needed`` are sliding distances in um; needed is inf if no length would do.
-    """
-
-    def __init__(self, what: str, estimate: object, *, length: float, needed: float) -> None:
-        super().__init__(what, estimate, length, needed)
-        self.what, self.estimate, self.length, self.needed = what, estimate, length, needed
-
-    def __str__(self) -> str:
-        """Return the figure without an error, and the length from which on it has one."""
-        message = f"{self.what}: {self.length:.6g} um of sliding are too short for it"
-        return f"{message}; it needs about {self.needed:.3g} um" if isfinite(self.needed) else message
 
 
 def longer(length: float, error: float, largest_error: float) -> float:
@@ -64,16 +47,14 @@ def integrated_autocorrelation(values: Doubles) -> float:
     return max(1.0, float(lengths[enough[0]])) if enough.size else inf
 
 
-def batch_length(values: Doubles, tick: float, what: str, estimate: object) -> int:
+def batch_length(values: Doubles) -> int:
     """Return the ticks to a batch: ten integrated autocorrelation lengths, or a 256th of the record if that is more.
 
-    ``tick`` in um. Raises RecordTooShort, with the estimate, if fewer than 30 batches fit.
+    The whole record is one if fewer than 30 batches fit.
     """
-    correlated = integrated_autocorrelation(values)
-    length = max(LENGTHS_A_BATCH * correlated, values.size / MOST_BATCHES)
-    needed = FEWEST_BATCHES * LENGTHS_A_BATCH * correlated * tick
+    length = max(LENGTHS_A_BATCH * integrated_autocorrelation(values), values.size / MOST_BATCHES)
     if length * FEWEST_BATCHES > values.size:
-        raise RecordTooShort(what, estimate, length=values.size * tick, needed=needed)
+        return values.size
     return min(ceil(length), values.size // FEWEST_BATCHES)
 
 
@@ -148,29 +129,22 @@ class Histogram:
         return 0.5 * (self.edges[1:] + self.edges[:-1])
 
 
-def histogram(values: Doubles, tick: float, edges: ArrayLike | int = BINS) -> Histogram:
-    """Return the density of a record of equal ticks (um) over bins: their edges, or their number over its range.
+def histogram(values: Doubles, edges: ArrayLike | int = BINS) -> Histogram:
+    """Return the density of a record of equal ticks over bins: their edges, or their number over its range.
 
-    The error of a bin is that of batch means: the scatter of the bin's share over stretches of the record. Raises
-    RecordTooShort, with the Histogram without errors, if the record has too few stretches, and ValueError for edges
-    that do not increase.
+    The error of a bin is that of batch means: the scatter of the bin's share over stretches of the record, inf if it
+    has too few of them. Raises ValueError for edges that do not rise.
     """
-    bounds = _edges(values, edges)
-    total = HistogramSum(bounds, values.size)
-    total.add(values)
-    total = HistogramSum(bounds, batch_length(values, tick, "histogram", total.histogram()))
-    total.add(values)
-    return total.histogram()
-
-
-def _edges(values: Doubles, edges: ArrayLike | int) -> Doubles:
-    if not isinstance(edges, int):
+    if isinstance(edges, int):
+        low, high = float(values.min()), float(values.max())
+        bounds = np.linspace(low, high if high > low else low + 1.0, edges + 1)
+    else:
         bounds = np.asarray(edges, dtype=np.float64)
         if bounds.ndim != 1 or bounds.size < 2 or not bool(np.all(np.diff(bounds) > 0.0)):
             raise ValueError("the edges of a histogram must rise")
-        return bounds
-    low, high = float(values.min()), float(values.max())
-    return np.linspace(low, high if high > low else low + 1.0, edges + 1)
+    total = HistogramSum(bounds, batch_length(values))
+    total.add(values)
+    return total.histogram()
 
 
 class HistogramSum:

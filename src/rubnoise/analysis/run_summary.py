@@ -80,11 +80,6 @@ class RunLayout:
             bands=tuple(bands_of(segment // 2 + 1, BANDS)) if segments else (),
         )
 
-    @property
-    def distances(self) -> Doubles:
-        """The lags in um."""
-        return self.step * self.lags.astype(np.float64)
-
     def banded(self, values: Doubles) -> Doubles:
         """Return the mean of a spectrum over each band."""
         return np.array([values[bins].mean() for bins in self.bands])
@@ -172,7 +167,7 @@ def curve_theory(model: Model) -> dict[str, Doubles]:
     places = {
         "histogram": (0.5 * (layout.edges[1:] + layout.edges[:-1]), _shares),
         "spectrum": (layout.banded(wavenumbers), _spectrum),
-        "autocovariance": (layout.distances, _covariance),
+        "autocovariance": (layout.step * layout.lags.astype(np.float64), _covariance),
     }
     for name, (place, theory) in places.items():
         expected = error = np.empty(0)
@@ -218,7 +213,7 @@ def _spectrum(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
 
 def _covariance(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
     """Return the expected autocovariance about the record's own mean, and its standard error."""
-    lags = layout.distances
+    lags = layout.step * layout.lags.astype(np.float64)
     expected = autocovariance(model, lags) - area_noise(model).variance_of_mean()
     errors = covariance_errors(model, lags, model.distance, layout.step) if _has_errors(model) else np.empty(0)
     return expected, errors

@@ -39,11 +39,6 @@ class Spectrum:
     ticks: int
     segments: int
 
-    @property
-    def power(self) -> float:
-        """The power (1/pi) int S dk, about the variance of the record, in the square of its unit."""
-        return float(self.density.sum() * self.wavenumber[1]) / np.pi
-
 
 def force_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
     """Return the exact two-sided S_F(w/V)/V of the friction force, uN^2 per rad/s; raises Refused without times."""
@@ -222,18 +217,14 @@ _PART_LEFT_OUT: Final = 1e-6  # of the power, 60 dB: as in theory
 class HeardBands:
     """Levels in dB re 50 nm/s in third octaves about frequencies in Hz: of a run, and exact ones (None if not known).
 
-    ``velocity`` is the standard deviation in um/s, over all frequencies.
+    ``velocity`` is the standard deviation in um/s, over all frequencies, and ``whole_level`` its level.
     """
 
     velocity: float
+    whole_level: float
     frequency: Doubles
     level: Doubles
     exact: Doubles | None
-
-    @property
-    def whole_level(self) -> float:
-        """The level of all bands together."""
-        return level(self.velocity)
 
 
 def heard_bands(rows: Rows, model: Model) -> HeardBands:
@@ -270,6 +261,7 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
         exact = bands["level"][np.searchsorted(known, numbers[kept])]
     return HeardBands(
         velocity=moments.std,
+        whole_level=level(moments.std),
         frequency=middles[kept],
         level=np.array([level(sqrt(each)) for each in power[kept].tolist()]),
         exact=exact,

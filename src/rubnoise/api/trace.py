@@ -10,7 +10,7 @@ from typing import Any, Final, Self, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.analysis.records import BINS, Histogram, RecordTooShort, autocovariance, histogram
+from rubnoise.analysis.records import BINS, Histogram, autocovariance, histogram
 from rubnoise.api import keywords
 from rubnoise.api.column_group import Table
 from rubnoise.api.columns import Column, with_units
@@ -180,13 +180,7 @@ class Trace(Table):
         Its ``standard_error`` knows that neighbouring rows are not independent; it is inf for a record too short to
         tell. Raises ValueError for edges that do not rise.
         """
-        values = self[self._column(name)].values
-        try:
-            return histogram(values, self.step, bins)
-        except RecordTooShort as short:
-            if isinstance(short.estimate, Histogram):
-                return short.estimate
-            raise
+        return histogram(self[self._column(name)].values, bins)
 
     def _along(self, keyword: str, value: Any) -> float | None:
         """Return a length along the place; a number if the place has no known unit."""

@@ -34,18 +34,14 @@ def compare(
     Example: rubnoise compare fig5.h5
     """
     from rubnoise.analysis import comparison
-    from rubnoise.analysis.records import RecordTooShort
     from rubnoise.cli.loading import finished_run
     from rubnoise.scenario.reading import stored
 
     if bound is not None and not (isfinite(bound) and bound > 0.0):
         raise typer.BadParameter(f"--bound: {bound} is no bound on |z|; it is a number above 0")
     with finished_run(file) as run:
-        try:
-            model = stored(run.provenance["scenario_resolved"]).model()
-            found = comparison.compare(model, run, bound)
-        except RecordTooShort as refusal:
-            raise Refused(str(refusal)) from refusal
+        model = stored(run.provenance["scenario_resolved"]).model()
+        found = comparison.compare(model, run, bound)
         title = f"{file}: compared with the theory of its scenario"
         show(replace(found, title=title, rows=(*found.rows, *_white_noise(model))), as_json=as_json)
     if found.outside:

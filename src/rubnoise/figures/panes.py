@@ -14,17 +14,24 @@ from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.selection import Neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.figures import style
-from rubnoise.figures.tracks import Track, labels_of
+from rubnoise.figures.tracks import Track
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-def curve_styles(count: int) -> list[dict[str, Any]]:
-    """Return the styles of the curves of one run or two: with two, the first is broad and pale."""
-    if count == 1:
-        return [{"color": style.BLUE, "lw": 0.9}]
-    return [{"color": "#6fb3df", "lw": 1.8, "solid_joinstyle": "round"}, {"color": "#04213a", "lw": 0.8}]
+def looks_of(tracks: Sequence[Track]) -> list[dict[str, Any]]:
+    """Return labels and styles of the curves of one run, or of two, the first broad and pale.
+
+    Labels distinguish runs by their coupling, or else by the names of their files.
+    """
+    if len(tracks) == 1:
+        return [{"color": style.BLUE, "lw": 0.9, "label": "simulated"}]
+    labels = [f"{track.swings.coupling} coupling" for track in tracks if track.swings is not None]
+    if len(set(labels)) < len(tracks):
+        labels = [track.stretch.name for track in tracks]
+    broad, thin = {"color": "#6fb3df", "lw": 1.8, "solid_joinstyle": "round"}, {"color": "#04213a", "lw": 0.8}
+    return [{**look, "label": label} for look, label in zip((broad, thin), labels, strict=True)]
 
 
 # Curves along the run.
@@ -39,8 +46,8 @@ def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **lo
     known = first.quantity.moments(first.model) if len(tracks) == 1 and first.has_theory else None
     if known is not None:
         style.exact_band(axes, *known)
-    for track, label, own in zip(tracks, labels_of(tracks), curve_styles(len(tracks)), strict=True):
-        axes.plot(*track.curve(), label=label, **(own | look))
+    for track, own in zip(tracks, looks_of(tracks), strict=True):
+        axes.plot(*track.curve(), **(own | look))
     shade(axes, next((track for track in tracks if track.model.is_two_way), first))
     axes.set_xlim(first.begin, first.end)
     if first.group == "trace":

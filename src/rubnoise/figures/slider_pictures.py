@@ -8,10 +8,10 @@ import numpy as np
 from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.errors import Refused
-from rubnoise.figures.panes import curve_styles, draw_along, draw_counts, draw_density, draw_layers
+from rubnoise.figures.panes import draw_along, draw_counts, draw_density, draw_layers, looks_of
 from rubnoise.figures.spectra import draw_spectra, spectrum_of
 from rubnoise.figures.style import DISTANCE, INK, VERMILION, fitting_columns
-from rubnoise.figures.tracks import MOST_READ, Stretch, Track, at_the_same, labels_of, tracks_of
+from rubnoise.figures.tracks import MOST_READ, Stretch, Track, at_the_same, tracks_of
 from rubnoise.theory.motion import response
 
 if TYPE_CHECKING:
@@ -63,8 +63,8 @@ def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None
     density |= not path
     panes = figure.subplots(1, path + density, sharex=True, sharey=True, squeeze=False)[0].tolist()
     if path:
-        for track, fast, label, look in zip(shown, speeds, labels_of(shown), curve_styles(len(shown)), strict=True):
-            panes[0].plot(track.record(), fast.between(first.begin, first.end).record(), label=label, **look)
+        for track, fast, look in zip(shown, speeds, looks_of(shown), strict=True):
+            panes[0].plot(track.record(), fast.between(first.begin, first.end).record(), **look)
         coarse = max(shown, key=lambda track: track.step)
         note = f", a row every {coarse.step:.3g} s" if coarse.step * coarse.natural > COARSE else ""
         panes[0].set_title(f"the path, {first.begin:.4g} to {first.end:.4g} s{note}", fontsize="medium")

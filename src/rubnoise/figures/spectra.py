@@ -11,9 +11,9 @@ from rubnoise.analysis.selection import first_row
 from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.panes import curve_styles
+from rubnoise.figures.panes import looks_of
 from rubnoise.figures.style import BLUE, FAINT, INK, NEAREST, VERMILION, logarithmic
-from rubnoise.figures.tracks import Track, labels_of
+from rubnoise.figures.tracks import Track
 from rubnoise.theory.sampling import expected_periodogram, through_window
 from rubnoise.theory.second_order import area_noise
 
@@ -67,7 +67,7 @@ def spectrum_of(track: Track) -> Spectrum:
     seen, still = total.spectrum(), NEAREST * abs(values) / (track.last - track.first)
     if track.quantity.column == "velocity":  # whose mean is 0; beside the drive's speed it may be small, but not that
         still = NEAREST**2 * track.quantity.scale * (track.model.sliding_speed or 0.0)
-    if seen.power <= still**2:
+    if seen.density.sum() * seen.wavenumber[1] / pi <= still**2:
         raise Refused(f"the {track.quantity.words} does not vary in this stretch, so it has no spectrum")
     return seen
 
@@ -84,17 +84,19 @@ def draw_spectra(axes: "Axes", found: Sequence[Seen], ratio: "Axes | None" = Non
     if first.swings is not None:
         highest = min(highest, max(FARTHEST * first.natural, 10.0 * lowest))
         axes.axvline(first.natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label=NATURAL[first.group])
-    labels = labels_of(tracks) if len(found) > 1 else [f"simulated ({seen.segments} segments)"]
-    for (_, each), label, look in zip(found, labels, curve_styles(len(found)), strict=True):
+    looks = looks_of(tracks)
+    if len(looks) == 1:
+        looks[0]["label"] = f"simulated ({seen.segments} segments)"
+    for (_, each), look in zip(found, looks, strict=True):
         place, density = each.wavenumber[FIRST:] / turn, sides * each.density[FIRST:]
-        axes.plot(place[place <= highest], density[place <= highest], label=label, **look)
+        axes.plot(place[place <= highest], density[place <= highest], **look)
     if first.swings is None:  # zeros of the theory lie far below what has a logarithm
         top = sides * float(seen.density.max())
         axes.set_ylim(0.1 * sides * float(seen.density.min(where=seen.density > 0.0, initial=top)), 10.0 * top)
     _draw_exact(axes, next((track for track in tracks if track.has_theory), first), lowest, highest)
     if ratio is not None:
         number = next(number for number, track in enumerate(tracks) if is_expected(track))
-        _draw_expected(axes, ratio, found[number], highest * turn, labels[number] if number else "simulated")
+        _draw_expected(axes, ratio, found[number], highest * turn, looks[number]["label"] if number else "simulated")
     logarithmic(axes.xaxis, axes.yaxis)
     axes.set_xlim(lowest, highest)
     (axes if ratio is None else ratio).set_xlabel("frequency (Hz)" if first.timed else "wavenumber (rad/µm)")

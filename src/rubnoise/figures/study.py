@@ -33,6 +33,9 @@ WIDE: Final = 30.0
 
 _EVEN: Final = 0.1
 
+LAWS: Final[Mapping[str, Any]] = {"exact": "-", "law of weak coupling": (0, (4, 2))}
+"""What theory knows of a line, and how its curve is dashed."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spot:
@@ -56,11 +59,6 @@ class StudyLine:
     label: str
     spots: tuple[Spot, ...]
     curve: tuple[Doubles, Doubles] | None
-
-    @property
-    def has_exact(self) -> bool:
-        """Whether theory knows the quantity anywhere on the line: of a two-way slider's motion it knows nothing."""
-        return any(isfinite(spot.exact) for spot in self.spots)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,10 +89,12 @@ class Study:
         ratios, steps = np.diff(np.log(places)), np.diff(places)
         return bool(np.ptp(ratios) <= _EVEN * ratios.mean() and np.ptp(steps) > _EVEN * steps.mean())
 
-    def dashes(self, line: StudyLine) -> Any:
-        """Return how the curve of a line is dashed: of a two-way motion it is the law of weak coupling, not exact."""
+    def law(self, line: StudyLine) -> str:
+        """Return what theory knows of a line, one of LAWS: of a two-way motion the law of weak coupling; or ""."""
+        if not any(isfinite(spot.exact) for spot in line.spots):
+            return ""
         moving = self.quantity.startswith(("displacement", "velocity"))
-        return (0, (4, 2)) if moving and line.spots[0].scenario.model().is_two_way else "-"
+        return "law of weak coupling" if moving and line.spots[0].scenario.model().is_two_way else "exact"
 
 
 def exact_curve(spots: Sequence[Spot], key: str, quantity: str) -> tuple[Doubles, Doubles]:
@@ -272,8 +272,8 @@ def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figu
             look["label"] = style.one_line(line.label)
         places = shift + study.scale * np.array([spot.place for spot in line.spots])
         _draw_points(axes, places, line, look)
-        if line.has_exact:
-            _draw_exact(axes, places, line, study, shift)
+        if law := study.law(line):
+            _draw_exact(axes, places, line, study.scale, shift, LAWS[law])
     _label(axes, study)
     _legend(axes, study)
     shown = f"{quantity_words(study.quantity)} over {key_words(study.key)}"
@@ -292,14 +292,14 @@ def _draw_points(axes: "Axes", places: Doubles, line: StudyLine, look: dict[str,
         axes.plot(places[known & ~complete], values[known & ~complete], **hollow)
 
 
-def _draw_exact(axes: "Axes", places: Doubles, line: StudyLine, study: Study, shift: float) -> None:
+def _draw_exact(axes: "Axes", places: Doubles, line: StudyLine, scale: float, shift: float, dashes: Any) -> None:
     """Draw the exact curve, or, if between points there is nothing, a dash at each of them."""
     if line.curve is None:
         look: dict[str, Any] = {"marker": "_", "ms": 14.0, "mew": 1.4, "ls": "none"}
         axes.plot(places, [spot.exact for spot in line.spots], color=style.VERMILION, zorder=2, **look)
     else:
         across, exact = line.curve
-        axes.plot(study.scale * across + shift, exact, color=style.VERMILION, lw=1.2, zorder=2, ls=study.dashes(line))
+        axes.plot(scale * across + shift, exact, color=style.VERMILION, lw=1.2, zorder=2, ls=dashes)
 
 
 def _label(axes: "Axes", study: Study) -> None:
@@ -342,10 +342,9 @@ def _legend(axes: "Axes", study: Study) -> None:
         title = f"simulated, 95 % interval,\n{style.one_line(', '.join(map(key_words, study.others)))}:"
     else:
         handles, labels = [points], ["simulated, 95 % interval"]
-    known = {study.dashes(line) for line in study.lines if line.has_exact}
-    for dashes in sorted(known, key=str, reverse=True):
-        handles += axes.plot([], [], color=style.VERMILION, lw=1.2, ls=dashes)
-        labels.append("exact" if dashes == "-" else "law of weak coupling")
+    for law in sorted({study.law(line) for line in study.lines} - {""}):
+        handles += axes.plot([], [], color=style.VERMILION, lw=1.2, ls=LAWS[law])
+        labels.append(law)
     axes.legend(handles, labels, loc="best", title=title, alignment="left")
 
 

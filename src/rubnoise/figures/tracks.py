@@ -354,16 +354,6 @@ def at_the_same(tracks: Sequence[Track]) -> list[Track]:
     return shown
 
 
-def labels_of(tracks: Sequence[Track]) -> list[str]:
-    """Return labels that distinguish runs: their coupling, or else the names of their files; one needs none."""
-    if len(tracks) == 1:
-        return ["simulated"]
-    couplings = [f"{track.swings.coupling} coupling" for track in tracks if track.swings is not None]
-    if len(set(couplings)) == len(tracks):
-        return couplings
-    return [track.stretch.name for track in tracks]
-
-
 @contextmanager
 def prefix_refusals(what: str) -> Iterator[None]:
     """Put a prefix in front of the message of a refusal."""
