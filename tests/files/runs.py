@@ -36,7 +36,13 @@ ORIGIN = {
 }
 
 
-_INTERFACE = {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20}
+SCENARIO = {
+    "format": 1,
+    "title": "µm",
+    "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
+    "sliding": {"distance": "1 mm"},
+}
+"""The scenario that a small run says it is of."""
 
 
 def describe(
@@ -62,14 +68,7 @@ def describe(
         provenance={
             "scenario_toml": scenario_toml,
             "scenario_resolved": json.dumps(
-                {
-                    "run": {"seed": 1},
-                    "title": "µm",
-                    "interface": _INTERFACE,
-                    "sliding": {"distance": "1 mm"},
-                    "format": 1,
-                }
-                | ({"pulse": {"shape": "lens", "offset": "uniform"}} if "offset" in features else {})
+                SCENARIO | ({"pulse": {"offset": "uniform"}} if "offset" in features else {})
             ),
             **ORIGIN,
         },
