@@ -66,7 +66,7 @@ class Inference(inference.InferenceResult):
         if psi is None and "shear_strength" in self.estimates:
             psi = self.estimates["shear_strength"].value
         fit, signal = self.fit, self.signal
-        law, shape, count = self.law, fit.contact.place.shape, self.estimates["junction_count"].value
+        law, shape, count = self.law, fit.contact.shape, self.estimates["junction_count"].value
         if law == "normal":
             diameter = self.estimates["diameter"].value
             # The scenario's centre is that before drawing again, and N_jm counts lives of that length.

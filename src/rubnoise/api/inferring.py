@@ -263,14 +263,14 @@ def _simulated(found: Inference, seed: int) -> Doubles:
     if fit is None:
         raise Refused("nothing was found that could be simulated")
     contact, tick, rows = fit.contact, signal.tick, signal.values.size
-    diameter = contact.place.diameter * tick
+    diameter = contact.diameter * tick
     spread = sqrt(max(contact.inequality - 1.0, 0.0))
     model = Model(
         mean_real_contact_area=1.0,
-        mean_junction_count=fit.problem.pulse.mean_life * contact.births * contact.place.diameter,
+        mean_junction_count=fit.problem.pulse.mean_life * contact.births * contact.diameter,
         calibration="exact",
         calibrated_diameter=diameter,
-        sizes=fit.problem.population.law(diameter, contact.place.shape),
+        sizes=fit.problem.population.law(diameter, contact.shape),
         births=PoissonBirths(mean_spacing=tick / contact.births),
         strengths=LAWS["lognormal"].make(1.0, spread, {}) if spread else LAWS["fixed"].make(1.0, 0.0, {}),
         sliding_speed=None,
@@ -285,7 +285,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
     simulate(model, seed, record, engine="batch")
     force = fit.problem.sensor.filtered(record["trace"]["friction_force"])
     scale = float(signal.values.std())
-    noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.place.noise)
+    noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.noise)
     return scale * (contact.strength / tick**2 * force + noise)
 
 

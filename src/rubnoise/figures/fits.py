@@ -170,7 +170,7 @@ def fit_figure(found: InferenceResult) -> "Figure":
     residuals.set(xlabel="wavenumber (rad/µm)", ylabel="residual (standard errors)", title="Residuals")
     logarithmic(axes.xaxis, axes.yaxis, residuals.xaxis)
 
-    values, life, axes = signal.values[:_MOST], 2.0 * fit.contact.place.diameter, panes["memory"]
+    values, life, axes = signal.values[:_MOST], 2.0 * fit.contact.diameter, panes["memory"]
     measured = records.autocovariance(values, max(1, min(int(3.0 * life), values.size // 2)))
     axes.plot(signal.tick * np.arange(measured.size), measured / measured[0], color=BLUE, label="trace")
     axes.axhline(0.0, color=FAINT, linewidth=0.8)

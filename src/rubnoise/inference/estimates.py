@@ -52,11 +52,6 @@ class Assumed:
         """Return the filter of the sensor for samples every ``tick`` um."""
         return Sensor(corner=2.0 * pi * self.bandwidth * tick, poles=self.poles)
 
-    @property
-    def inequality(self) -> float:
-        """E[psi^2] / E[psi]^2 = 1 + v, v the squared relative spread."""
-        return 1.0 + self.strength_spread**2
-
 
 NOTHING: Final = Assumed()
 """Equal strengths, passes through both centres, a sensor that passes everything."""
@@ -78,17 +73,17 @@ def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> d
     A law of one spread, such as exponential, has an estimate of it only if laws are ``compared``: alone, its spread is
     an assumption.
     """
-    contact, place, tick = fit.contact, fit.contact.place, signal.tick
-    found = {"diameter": _positive(place.diameter * tick, fit.error({"diameter": 1.0}), "um")}
+    contact, tick = fit.contact, signal.tick
+    found = {"diameter": _positive(contact.diameter * tick, fit.error({"diameter": 1.0}), "um")}
     if fit.problem.population.spread or compared:
         found["relative_spread"] = _spread(fit)
     found["noise"] = _noise(fit, scale, signal.unit)
     free = fit.known.free
     if free != ("strength",):
-        count = fit.problem.pulse.mean_life * contact.births * place.diameter
+        count = fit.problem.pulse.mean_life * contact.births * contact.diameter
         found["junction_count"] = _positive(count, fit.error({"births": 1.0, "diameter": 1.0}), "1")
     if "births" in free:
-        area = contact.births * fit.problem.pulse.life_integral(1) * fit.moment(3) * place.diameter**3 * tick**2
+        area = contact.births * fit.problem.pulse.life_integral(1) * fit.moment(3) * contact.diameter**3 * tick**2
         powers = {"births": 1.0, "diameter": 3.0, "shape": fit.by_shape(3)}
         found["mean_real_contact_area"] = _positive(area, fit.error(powers), "um^2")
     if signal.scale is not None and "strength" in free and "births" in free and not signal.is_area:
@@ -109,7 +104,7 @@ def _positive(value: float, error: float, unit: str) -> Estimate:
 
 def _spread(fit: Fit) -> Estimate:
     """Return the spread with its interval; for the narrowest law, from 0 to the least spread that could be seen."""
-    population, shape = fit.problem.population, fit.contact.place.shape
+    population, shape = fit.problem.population, fit.contact.shape
     value = population.relative_spread(shape)
     if not population.spread:
         return Estimate(value=value, standard_error=0.0, interval=(value, value), unit="1")
@@ -128,11 +123,10 @@ def _spread(fit: Fit) -> Estimate:
 def _noise(fit: Fit, scale: float, unit: str) -> Estimate:
     if "noise" not in fit.names:
         return Estimate(value=0.0, standard_error=0.0, interval=(0.0, sqrt(fit.problem.floor) * scale), unit=unit)
-    return _positive(sqrt(fit.contact.place.noise) * scale, 0.5 * fit.error({"noise": 1.0}), unit)
+    return _positive(sqrt(fit.contact.noise) * scale, 0.5 * fit.error({"noise": 1.0}), unit)
 
 
 def _strength_spread(inequality: float, error: float) -> Estimate:
-    """Return the relative spread of strengths, sqrt(w - 1)."""
     low, high = (sqrt(max(inequality * exp(sign * Z * error) - 1.0, 0.0)) for sign in (-1.0, 1.0))
     value = sqrt(max(inequality - 1.0, 0.0))
     return Estimate(value=value, standard_error=0.5 * (high - low) / Z, interval=(low, high), unit="1")
@@ -197,19 +191,15 @@ def by_spread(estimates: Mapping[str, Estimate], known: Given) -> tuple[IfSpread
     """
     if not moves_with_spread(known) or "junction_count" not in estimates:
         return ()
-    strength = estimates.get("shear_strength")
-    found = []
-    for spread in SPREADS:
-        more = (1.0 + spread**2) / known.inequality
-        count = estimates["junction_count"].value
-        found.append(
-            IfSpread(
-                strength_spread=spread,
-                junction_count=count * more if known.mean is not None else count / more,
-                shear_strength=None if strength is None else strength.value / more,
-            )
+    count, strength = estimates["junction_count"].value, estimates.get("shear_strength")
+    return tuple(
+        IfSpread(
+            strength_spread=spread,
+            junction_count=count * more if known.mean is not None else count / more,
+            shear_strength=None if strength is None else strength.value / more,
         )
-    return tuple(found)
+        for spread, more in ((spread, (1.0 + spread**2) / known.inequality) for spread in SPREADS)
+    )
 
 
 def assumptions(assumed: Assumed, fit: Fit, signal: Signal) -> dict[str, str]:
@@ -221,7 +211,7 @@ def assumptions(assumed: Assumed, fit: Fit, signal: Signal) -> dict[str, str]:
             if assumed.strength_spread
             else "junctions are taken for equally strong (strength_spread= gives another spread)"
         )
-    said["sensor"] = _of_sensor(assumed, 2.0 * fit.contact.place.diameter * signal.tick)
+    said["sensor"] = _of_sensor(assumed, 2.0 * fit.contact.diameter * signal.tick)
     shape = f"taken to have the shape {assumed.pulse.shape}"
     said["lives"] = shape if assumed.shape_chosen else f"{shape} (pulse= takes lens or parabola)"
     said["passes"] = (
@@ -235,7 +225,6 @@ def assumptions(assumed: Assumed, fit: Fit, signal: Signal) -> dict[str, str]:
 
 
 def _of_sensor(assumed: Assumed, life: float) -> str:
-    """Return the assumption about the sensor, for a mean ``life`` of 2 d in um."""
     if isinf(assumed.bandwidth):
         return f"taken to pass {ENOUGH_CYCLES:g} cycles per life or more (bandwidth= gives its corner)"
     poles = "one pole" if assumed.poles == 1 else f"{assumed.poles} poles"

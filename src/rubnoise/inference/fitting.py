@@ -5,7 +5,7 @@ But the few large junctions of a record move all bands and the mean together. So
 account for this.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, log
 from typing import Final
 
@@ -29,21 +29,26 @@ _REACHES = (8.0, 30.0)  # of k d: the swing of equal sizes has a minimum of the 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FitPoint:
-    """The parameters of a fit, with lengths in ticks and the trace in its own unit.
+class Contact:
+    """A population with its number and strengths, lengths in ticks and the trace in its own unit.
 
-    ``rate`` is lam E[psi^2], ``diameter`` the mean one, ``shape`` that of the population, ``noise`` the variance of
-    white noise, ``drift`` that of the steps of a random walk (None if none is fitted).
+    ``diameter`` is the mean one, ``shape`` that of the population, ``noise`` the variance of white noise, ``drift``
+    that of the steps of a random walk (None if none is fitted). ``births`` is lam per tick, ``strength`` E[psi] (trace
+    unit per tick^2), ``inequality`` E[psi^2] / E[psi]^2.
     """
 
-    rate: float
     diameter: float
     shape: float
     noise: float
     drift: float | None = None
+    births: float
+    strength: float = 1.0
+    inequality: float = 1.0
 
-
-NAMES = ("rate", "diameter", "shape", "noise", "drift")
+    @property
+    def rate(self) -> float:
+        """Lam E[psi^2], which is all that bands show of the three."""
+        return self.births * self.strength**2 * self.inequality
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,46 +79,45 @@ class FitProblem:
         """Return the energies of the population with a shape."""
         return energy_table(self.population.name, shape, self.pulse)
 
-    def expected(self, place: FitPoint) -> Expected:
+    def expected(self, contact: Contact) -> Expected:
         """Return the expected bands at a point; parameters at a bound have no derivatives."""
-        energy, slope, by_shape = self.expectation.population(self.table(place.shape), place.diameter) * place.rate
-        mean = energy + place.noise
-        names, by = ["rate", "diameter"], [energy, slope]
-        if self.population.spread and place.shape > NARROWEST:
+        energy, slope, by_shape = (
+            self.expectation.population(self.table(contact.shape), contact.diameter) * contact.rate
+        )
+        mean = energy + contact.noise
+        names, by = ["births", "diameter"], [energy, slope]
+        if self.population.spread and contact.shape > NARROWEST:
             names.append("shape")
-            by.append(by_shape * place.shape)
-        if place.noise > self.floor:
+            by.append(by_shape * contact.shape)
+        if contact.noise > self.floor:
             names.append("noise")
-            by.append(np.full_like(mean, place.noise))
-        if self.walk is not None and place.drift is not None:
-            mean = mean + place.drift * self.walk
-            if place.drift > 0.0:
+            by.append(np.full_like(mean, contact.noise))
+        if self.walk is not None and contact.drift is not None:
+            mean = mean + contact.drift * self.walk
+            if contact.drift > 0.0:
                 names.append("drift")
-                by.append(place.drift * self.walk)
+                by.append(contact.drift * self.walk)
         return Expected(mean=mean, by=np.stack(by, axis=-1), names=tuple(names))
 
-    def longest_waves(self, place: FitPoint) -> float:
+    def longest_waves(self, contact: Contact) -> float:
         """Return S(0) of junctions and noise, lam E[psi^2] E[(int A ds)^2] + noise: n times the variance of a mean."""
-        sixth = self.population.moment(6, place.shape) * place.diameter**6
-        return place.rate * self.pulse.integral_moment(2) * sixth + place.noise
+        sixth = self.population.moment(6, contact.shape) * contact.diameter**6
+        return contact.rate * self.pulse.integral_moment(2) * sixth + contact.noise
 
-    def is_widest(self, place: FitPoint) -> bool:
+    def is_widest(self, contact: Contact) -> bool:
         """Return whether the shape is at its upper bound, beyond which a step would move the others wrongly."""
-        return self.population.spread and place.shape >= self.population.widest
+        return self.population.spread and contact.shape >= self.population.widest
 
-    def moved(self, place: FitPoint, names: tuple[str, ...], step: Doubles) -> FitPoint:
+    def moved(self, contact: Contact, names: tuple[str, ...], step: Doubles) -> Contact:
         """Return the point one step in logarithms away, kept within bounds."""
         move = dict(zip(names, np.clip(step, -1.0, 1.0).tolist(), strict=True))
-        values = {name: getattr(place, name) for name in NAMES}
-        values |= {name: values[name] * float(np.exp(by)) for name, by in move.items()}
-        population = self.population
-        if population.spread:
-            values["shape"] = min(max(values["shape"], NARROWEST), population.widest)
-        if values["noise"] <= self.floor:
-            values["noise"] = 0.0
-        if values["drift"] is not None and self.walk is not None:
-            values["drift"] = 0.0 if values["drift"] * float(self.walk.max()) < self.floor else values["drift"]
-        return FitPoint(**values)
+        there = replace(contact, **{name: getattr(contact, name) * float(np.exp(by)) for name, by in move.items()})
+        shape, drift = there.shape, there.drift
+        if self.population.spread:
+            shape = min(max(shape, NARROWEST), self.population.widest)
+        if drift is not None and self.walk is not None and drift * float(self.walk.max()) < self.floor:
+            drift = 0.0
+        return replace(there, shape=shape, drift=drift, noise=there.noise if there.noise > self.floor else 0.0)
 
 
 def deviance(bands: Bands, mean: Doubles, weight: Doubles | None = None) -> float:
@@ -126,22 +130,22 @@ def deviance(bands: Bands, mean: Doubles, weight: Doubles | None = None) -> floa
     return float(2.0 * np.sum(worth * (ratio - 1.0 - np.log(np.maximum(ratio, 1e-300)))))
 
 
-def climb(problem: FitProblem, start: FitPoint, reach: float = inf) -> tuple[FitPoint, float]:
+def climb(problem: FitProblem, start: Contact, reach: float = inf) -> tuple[Contact, float]:
     """Return the point of least Whittle deviance near a start, and the deviance: scoring with Levenberg's damping.
 
     Bands beyond ``reach`` of k d are left out; the others cannot show the noise, which then stays constant.
     Source: Whittle (1953); Levenberg (1944); Marquardt (1963), doi:10.1137/0111030.
     """
-    bands, place = problem.bands, start
+    bands, contact = problem.bands, start
     within = _within(problem, start, reach)
-    found = problem.expected(place)
+    found = problem.expected(contact)
     best = deviance(bands, found.mean, within)
     damping = 1e-2
     for _ in range(_MOST_STEPS if reach == inf else _MOST_STEPS_BELOW):
         weights = within / np.square(found.mean)
         pull = found.by.T @ (weights * (bands.energy - found.mean))
         still = {"noise"} if reach < inf else set()
-        if problem.is_widest(place) and pull[found.names.index("shape")] > 0.0:
+        if problem.is_widest(contact) and pull[found.names.index("shape")] > 0.0:
             still.add("shape")
         moving = [number for number, name in enumerate(found.names) if name not in still]
         by, score = found.by[:, moving], pull[moving]
@@ -152,7 +156,7 @@ def climb(problem: FitProblem, start: FitPoint, reach: float = inf) -> tuple[Fit
             step: Doubles = np.asarray(np.linalg.solve(information + diagonal, score), dtype=np.float64)
             if float(step @ score) < _CLOSE * max(1.0, best):  # half of what the step promises
                 break
-            trial = problem.moved(place, tuple(found.names[number] for number in moving), step)
+            trial = problem.moved(contact, tuple(found.names[number] for number in moving), step)
             there = problem.expected(trial)
             worth = deviance(bands, there.mean, within)
             if worth <= best:
@@ -161,25 +165,25 @@ def climb(problem: FitProblem, start: FitPoint, reach: float = inf) -> tuple[Fit
             damping *= 10.0
         if not accepted:
             break
-        gain, best, place, found = best - worth, worth, trial, there
+        gain, best, contact, found = best - worth, worth, trial, there
         damping = max(0.1 * damping, 1e-12)
         if gain < _CLOSE * max(1.0, best):
             break
-    return place, best
+    return contact, best
 
 
-def _within(problem: FitProblem, place: FitPoint, reach: float) -> Doubles:
+def _within(problem: FitProblem, contact: Contact, reach: float) -> Doubles:
     """Return the weights of the bands up to a reach of k d, and of at least a tenth of all bands."""
     bands = problem.bands
-    kept = bands.wavenumber * place.diameter <= reach
+    kept = bands.wavenumber * contact.diameter <= reach
     kept[: max(8, bands.energy.size // 10)] = True
     return np.where(kept, bands.weight, 0.0)
 
 
-def starts(problem: FitProblem, diameter: float, noise: float) -> list[FitPoint]:
+def starts(problem: FitProblem, diameter: float, noise: float) -> list[Contact]:
     """Return the starts of the search: each shape, with diameters about a rough estimate.
 
-    ``rate`` is chosen so that the low bands have their measured energy.
+    ``births`` is chosen so that the low bands have their measured energy.
     """
     bands = problem.bands
     low = bands.energy[: max(3, bands.energy.size // 12)]
@@ -194,29 +198,28 @@ def starts(problem: FitProblem, diameter: float, noise: float) -> list[FitPoint]
             energy = problem.expectation.population(problem.table(shape), size)[0]
             level = float(np.sum(weights * low) / np.sum(weights * energy[: low.size]))
             drift = None if problem.walk is None else 1e-3 * float(low.mean()) / float(problem.walk[0])
-            found.append(FitPoint(rate=level, diameter=size, shape=shape, noise=noise, drift=drift))
+            found.append(Contact(births=level, diameter=size, shape=shape, noise=noise, drift=drift))
     return found
 
 
-def whittle(problem: FitProblem, diameter: float, noise: float) -> tuple[FitPoint, float]:
+def whittle(problem: FitProblem, diameter: float, noise: float) -> tuple[Contact, float]:
     """Return the best point of several starts, and its deviance.
 
     Each search uses the low bands first and adds the rest as it comes closer: far from the right diameter the
     oscillation of the high bands leads to a wrong period.
     """
-    begun = [
-        (deviance(problem.bands, problem.expected(place).mean, _within(problem, place, _REACHES[0])), place)
-        for place in starts(problem, diameter, noise)
-    ]
-    begun.sort(key=lambda each: each[0])
-    arrived: list[FitPoint] = []
-    for _, place in begun[:_STARTS_REFINED]:
+
+    def first_worth(start: Contact) -> float:
+        return deviance(problem.bands, problem.expected(start).mean, _within(problem, start, _REACHES[0]))
+
+    arrived: list[Contact] = []
+    for found in sorted(starts(problem, diameter, noise), key=first_worth)[:_STARTS_REFINED]:
         for reach in _REACHES:
-            place, _ = climb(problem, place, reach)  # noqa: PLW2901  (each stage begins where the last one ended)
+            found, _ = climb(problem, found, reach)  # noqa: PLW2901  (each stage begins where the last one ended)
         # within a small part of a period of the oscillation, two points lead to one minimum
         if not any(
-            abs(log(place.diameter / other.diameter)) < _SAME and abs(place.shape - other.shape) <= _SAME * other.shape
+            abs(log(found.diameter / other.diameter)) < _SAME and abs(found.shape - other.shape) <= _SAME * other.shape
             for other in arrived
         ):
-            arrived.append(place)
-    return min((climb(problem, place) for place in arrived), key=lambda each: each[1])
+            arrived.append(found)
+    return min((climb(problem, found) for found in arrived), key=lambda each: each[1])

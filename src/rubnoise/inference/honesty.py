@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.arrays import Doubles, slices
+from rubnoise.arrays import Doubles
 from rubnoise.inference.passes import first_integrals, life_integrals, offsets, passed
 from rubnoise.inference.periodogram import Bands, masked_bins
 from rubnoise.inference.populations import shot_sizes
@@ -26,7 +26,6 @@ _NEIGHBOURS = 24
 _PARTS = 4
 _RUN_IN = (0.125, 0.25, 0.375, 0.5)
 _STEADY_AGAIN = 0.05
-_PIECE = 1 << 16
 
 SPECTRUM: Final = 0.005
 REVERSAL: Final = 0.006
@@ -60,7 +59,7 @@ def honesty_tests(values: Doubles, level: Doubles, fit: Fit, *, zero_known: bool
     """Return the tests of a trace against a fit; ``level`` is its mean at each sample, or its course if it drifts."""
     return (
         spectrum_test(fit),
-        _reversal_test(fit.problem.sensor.mirrored(values), level, fit.contact.place.diameter),
+        _reversal_test(fit.problem.sensor.mirrored(values), level, fit.contact.diameter),
         _line_test(fit),
         _third_test(values, level, fit, zero_known=zero_known),
         _steadiness_test(values, fit),
@@ -69,12 +68,8 @@ def honesty_tests(values: Doubles, level: Doubles, fit: Fit, *, zero_known: bool
 
 
 def third_cumulant(values: Doubles, level: Doubles) -> float:
-    """Return the mean cube of a trace about its mean or its course, piece by piece."""
-    total = 0.0
-    for piece in slices(0, values.size, _PIECE):
-        centred = values[piece] - level[piece]
-        total += float(np.sum(centred * centred * centred))
-    return total / values.size
+    """Return the mean cube of a trace about its mean or its course."""
+    return float(np.mean((values - level) ** 3))
 
 
 def spectrum_test(fit: Fit) -> HonestyTest:
@@ -142,19 +137,19 @@ def _reversal_test(values: Doubles, level: Doubles, diameter: float) -> HonestyT
     """
     from scipy.special import stdtr
 
-    largest, most = 0.0, 0.0
+    found = dict[float, float]()
     for part in _LAGS:
         lag = max(1, round(part * diameter))
         length = (values.size - lag) // _BLOCKS
         blocks = np.empty(_BLOCKS)
-        for number in range(_BLOCKS):
+        for number in range(_BLOCKS):  # one after another, to limit memory
             piece = slice(number * length, (number + 1) * length + lag)
             centred = values[piece] - level[piece]
             earlier, later = centred[:-lag], centred[lag:]
             blocks[number] = np.mean(earlier * later * (earlier - later))
-        t = float(blocks.mean() / max(blocks.std(ddof=1) / sqrt(_BLOCKS), 1e-300))
-        if abs(t) > abs(largest):
-            largest, most = t, part
+        found[part] = float(blocks.mean() / max(blocks.std(ddof=1) / sqrt(_BLOCKS), 1e-300))
+    most = max(found, key=lambda part: abs(found[part]))
+    largest = found[most]
     p = min(1.0, len(_LAGS) * 2.0 * float(stdtr(_BLOCKS - 1, -abs(largest))))
     words = f"time reversal: {largest:+.1f} standard errors at a lag of {most:g} diameters"
     return HonestyTest(name="time reversal", statistic=largest, p=p, level=REVERSAL, words=words)
@@ -206,16 +201,12 @@ def _third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
     y^3 - 3 R(0) y - K3 (b y^2/R(0) + a y/mean), for b and a of `_leans_on`.
     """
     b, a = _leans_on(fit)
-    variance = max(1.0 - fit.contact.place.noise, 1e-12)
+    variance = max(1.0 - fit.contact.noise, 1e-12)
     third = third_cumulant(values, np.broadcast_to(mean, values.shape))
     length = values.size // _BLOCKS
-    blocks = np.empty(_BLOCKS)
-    for number in range(_BLOCKS):
-        y = values[number * length : (number + 1) * length] - mean
-        second = y * y
-        blocks[number] = np.mean(second * y) - 3.0 * np.mean(y) - b * third / variance * np.mean(second)
-        if a:
-            blocks[number] -= a * third / mean * np.mean(y)
+    y = values[: _BLOCKS * length].reshape(_BLOCKS, length) - mean
+    one, two, three = (np.mean(y**power, axis=1) for power in (1, 2, 3))
+    blocks = three - (3.0 + (a * third / mean if a else 0.0)) * one - b * third / variance * two
     return float(blocks.std(ddof=1)) / sqrt(_BLOCKS)
 
 
@@ -230,21 +221,21 @@ def _third_test(values: Doubles, level: Doubles, fit: Fit, *, zero_known: bool) 
     from scipy.special import stdtr
 
     measured, n = third_cumulant(values, level), values.size
-    contact, place = fit.contact, fit.contact.place
+    contact = fit.contact
     psi, pulse, sensor = contact.strength, fit.problem.pulse, fit.problem.sensor
-    sizes, probability, _ = shot_sizes(fit.problem.population, place.shape)
-    d = place.diameter * sizes
+    sizes, probability, _ = shot_sizes(fit.problem.population, contact.shape)
+    d = contact.diameter * sizes
     second_passed, third_passed = passed(pulse, sensor, d, probability)
     expected = contact.births * psi**3 * contact.inequality**3 * pulse.life_integral(3) * fit.moment(7)
-    expected *= place.diameter**7 * third_passed
-    variance = place.rate * pulse.life_integral(2) * fit.moment(5) * place.diameter**5 * second_passed
+    expected *= contact.diameter**7 * third_passed
+    variance = contact.rate * pulse.life_integral(2) * fit.moment(5) * contact.diameter**5 * second_passed
     cubes = psi**3 * life_integrals(pulse, sensor, d)[1]
     alone = cubes - 3.0 * variance * psi * np.outer(d**3, first_integrals(pulse))
-    reach = place.diameter * fit.moment(6) / fit.moment(5)
-    gaussian = 6.0 * (variance**3 * reach + place.noise * (3.0 * variance**2 + place.noise**2))
+    reach = contact.diameter * fit.moment(6) / fit.moment(5)
+    gaussian = 6.0 * (variance**3 * reach + contact.noise * (3.0 * variance**2 + contact.noise**2))
     alike = float(probability @ np.square(alone) @ offsets(pulse)[1])
     error = sqrt(gaussian / n) + sqrt(contact.births * alike / n)
-    predicted = (zero_known or fit.known.strength is not None) and place.drift is None
+    predicted = (zero_known or fit.known.strength is not None) and contact.drift is None
     if predicted:
         powers = {"births": 1.0, "strength": 3.0, "inequality": 3.0, "diameter": 7.0, "shape": fit.by_shape(7)}
         b, a = _leans_on(fit)
@@ -303,9 +294,9 @@ def drift_test(values: Doubles, fit: Fit) -> HonestyTest:
     A random walk with steps of variance q adds (6/5) q n. For a ramp no other test of a long trace has more power,
     because S(k) is flat at the wavenumbers of the ramp.
     """
-    place, n = fit.contact.place, values.size
+    contact, n = fit.contact, values.size
     rise = ramp_of(values)
-    variance = RAMP_VARIANCE * fit.problem.longest_waves(place) / n + 1.2 * (place.drift or 0.0) * n
+    variance = RAMP_VARIANCE * fit.problem.longest_waves(contact) / n + 1.2 * (contact.drift or 0.0) * n
     z = rise / sqrt(variance)
     words = f"drift: a line through it rises by {rise:+.2f} of its standard deviation, {z:+.1f} standard errors"
     if fit.known.ramp**2 > variance:
@@ -321,13 +312,13 @@ def _steadiness(values: Doubles, fit: Fit) -> tuple[float, float]:
     """
     from scipy.special import gammaincc
 
-    place = fit.contact.place
-    density = fit.problem.longest_waves(place)
+    contact = fit.contact
+    density = fit.problem.longest_waves(contact)
     length = values.size // _PARTS
     means = values[: length * _PARTS].reshape(_PARTS, length).mean(axis=1)
     number = np.arange(_PARTS)
     walk = np.minimum(number[:, None], number) + np.where(np.eye(_PARTS) > 0.0, 1.0 / 3.0, 0.5)
-    total = density / length * np.eye(_PARTS) + (place.drift or 0.0) * length * walk
+    total = density / length * np.eye(_PARTS) + (contact.drift or 0.0) * length * walk
     between = np.diff(np.eye(_PARTS), axis=0)
     difference = between @ means
     statistic = float(difference @ np.linalg.solve(between @ total @ between.T, difference))

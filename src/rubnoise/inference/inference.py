@@ -20,7 +20,7 @@ from rubnoise.inference.estimates import (
     estimates_of,
     widened,
 )
-from rubnoise.inference.fitting import FitPoint, FitProblem, deviance, whittle
+from rubnoise.inference.fitting import Contact, FitProblem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
 from rubnoise.inference.passes import passed
 from rubnoise.inference.periodogram import Bands, banded
@@ -71,11 +71,6 @@ class Tried:
         """Relative difference of the diameter."""
         return self.off["diameter"]
 
-    @property
-    def furthest(self) -> float:
-        """Largest relative difference."""
-        return max(map(abs, self.off.values()))
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class InferenceResult:
@@ -121,7 +116,7 @@ class InferenceResult:
     def _doubt_of_shape(self) -> list[str]:
         """Return that lives may have the other shape: if no option chose one, and numbers would differ."""
         other = self.other_shape
-        if self.shape_chosen or other is None or other.furthest <= FURTHEST_OFF:
+        if self.shape_chosen or other is None or max(map(abs, other.off.values())) <= FURTHEST_OFF:
             return []
         found = {name: each for name, each in self.estimates.items() if name in _BY_SHAPE and name in other.estimates}
         numbers = ", ".join(
@@ -167,7 +162,7 @@ def infer_signal(
     known = Given(
         mean=mean,
         strength=_strength_in_ticks(signal, strength, scale),
-        inequality=assumed.inequality,
+        inequality=1.0 + assumed.strength_spread**2,
         ramp=0.0 if mean is None or drift else ramp_of(values),
     )
     level = course(values, half_width) if drift else np.broadcast_to(values.mean(), values.shape)
@@ -193,7 +188,11 @@ def infer_signal(
     def tried(shape: Shape, offset: Offset, *, asked: bool) -> Tried | None:
         if not tests or not (asked or doubtful):
             return None
-        return _other(fitted(pulse_of(shape, offset)), best, signal, scale, of_best)
+        other = min(fitted(pulse_of(shape, offset)), key=_criterion)
+        found = estimates_of(other, signal, scale, compared=compared)
+        known = [name for name in _BY_SHAPE if name in of_best and name in found]
+        off = {name: found[name].value / of_best[name].value - 1.0 for name in known}
+        return replace(_beside(other, best, found), off=off)
 
     estimates = {name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()}
     return InferenceResult(
@@ -249,13 +248,13 @@ def _fitted(problems: list[FitProblem], half_width: float, known: Given, third: 
     return fits
 
 
-def _births_by_skewness(problem: FitProblem, place: FitPoint, third: float, inequality: float) -> float:
+def _births_by_skewness(problem: FitProblem, contact: Contact, third: float, inequality: float) -> float:
     """Return lam per tick for which the third cumulant lam psi^3 w^3 c_3 E[d^7] is as measured, given lam psi^2 w."""
-    sizes, probability, _ = shot_sizes(problem.population, place.shape)
-    seen = passed(problem.pulse, problem.sensor, place.diameter * sizes, probability)[1]
-    single = problem.pulse.life_integral(3) * problem.population.moment(7, place.shape) * place.diameter**7 * seen
-    births = place.rate**3 * single**2 * inequality**3 / max(third, 1e-12) ** 2
-    return float(np.clip(births, _FEWEST_ALIVE / place.diameter, _MOST_ALIVE / place.diameter))
+    sizes, probability, _ = shot_sizes(problem.population, contact.shape)
+    seen = passed(problem.pulse, problem.sensor, contact.diameter * sizes, probability)[1]
+    single = problem.pulse.life_integral(3) * problem.population.moment(7, contact.shape) * contact.diameter**7 * seen
+    births = contact.rate**3 * single**2 * inequality**3 / max(third, 1e-12) ** 2
+    return float(np.clip(births, _FEWEST_ALIVE / contact.diameter, _MOST_ALIVE / contact.diameter))
 
 
 def _criterion(fit: Fit) -> float:
@@ -264,7 +263,7 @@ def _criterion(fit: Fit) -> float:
 
 def _too_little(fit: Fit, signal: Signal) -> str:
     """Return why a record shows too little, with the number that it would need; empty if it is enough."""
-    bands, place = fit.problem.bands, fit.contact.place
+    bands, contact = fit.problem.bands, fit.contact
     flat = np.full(bands.energy.size, np.average(bands.energy, weights=bands.weight))
     without = [flat] if fit.problem.walk is None else [flat, _walk_alone(bands, fit.problem.walk, flat)]
     gain = min(deviance(bands, each) for each in without) - deviance(bands, fit.expected.mean)
@@ -273,20 +272,20 @@ def _too_little(fit: Fit, signal: Signal) -> str:
             f"no signal of junctions beyond noise and drift: it improves the fit by {max(gain, 0.0):.1f}, and"
             f" {_LEAST_GAIN:g} are needed"
         )
-    size = place.diameter * signal.tick
-    if place.diameter < FEWEST_SAMPLES and (test := spectrum_test(fit)).flagged:
+    size = contact.diameter * signal.tick
+    if contact.diameter < FEWEST_SAMPLES and (test := spectrum_test(fit)).flagged:
         return (
             f"the trace may hold no junctions: no size and spread has its spectrum (chi-square {test.statistic:.3g})."
             " Fading noise, 1/f noise and a sawtooth look so: compare with a trace at rest; mask= leaves out a line,"
             " drift=True fits a sensor that drifts"
         )
-    if place.diameter < FEWEST_SAMPLES:
+    if contact.diameter < FEWEST_SAMPLES:
         return (
-            f"junctions of {size:.3g} um are {place.diameter:.2g} samples long; {FEWEST_SAMPLES:g} are needed: a tick"
+            f"junctions of {size:.3g} um are {contact.diameter:.2g} samples long; {FEWEST_SAMPLES:g} are needed: a tick"
             f" of {size / FEWEST_SAMPLES:.3g} um or less"
         )
     piece, samples = ("each stroke", bands.samples) if min(signal.ways) > 0 else ("the record", bands.span)
-    sizes = samples / place.diameter
+    sizes = samples / contact.diameter
     if sizes < FEWEST_SIZES:
         return (
             f"{piece} is {sizes:.3g} sizes of {size:.3g} um long; {FEWEST_SIZES:g} are needed, that is"
@@ -306,7 +305,6 @@ def _walk_alone(bands: Bands, walk: Doubles, flat: Doubles) -> Doubles:
 
 
 def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, str]:
-    """Return the quantities that are not identified, each with a way to identify it."""
     free, reasons = fit.known.free, {}
     if free == ("strength",):
         either = 'a trusted zero of the sensor (zero="known") or the strength (strength="250 MPa") would identify it'
@@ -328,15 +326,6 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
             'needs a trusted zero (zero="known") and the mean strength (strength="250 MPa") together'
         )
     return reasons
-
-
-def _other(fits: list[Fit], best: Fit, signal: Signal, scale: float, estimates: Mapping[str, Estimate]) -> Tried:
-    """Return the best fit of another pulse, compared with the best fit of the assumed one."""
-    other = min(fits, key=_criterion)
-    found = estimates_of(other, signal, scale, compared=len(fits) > 1)
-    known = [name for name in _BY_SHAPE if name in estimates and name in found]
-    off = {name: found[name].value / estimates[name].value - 1.0 for name in known}
-    return replace(_beside(other, best, found), off=off)
 
 
 def _beside(fit: Fit, best: Fit, estimates: Mapping[str, Estimate]) -> Tried:
@@ -369,13 +358,13 @@ def _law_free(fit: Fit, signal: Signal) -> dict[str, float]:
     L the mean life of unit diameter; S(0) is the mean of the bands below a tenth of k d, the variance that of the trace
     less its noise, before the sensor.
     """
-    bands, place, pulse = fit.problem.bands, fit.contact.place, fit.problem.pulse
-    sizes, probability, _ = shot_sizes(fit.problem.population, place.shape)
-    seen = passed(pulse, fit.problem.sensor, place.diameter * sizes, probability)[0]
-    variance = max(1.0 - place.noise, 1e-12) / seen
-    typical = place.diameter * sqrt(fit.moment(8) / fit.moment(6))
+    bands, contact, pulse = fit.problem.bands, fit.contact, fit.problem.pulse
+    sizes, probability, _ = shot_sizes(fit.problem.population, contact.shape)
+    seen = passed(pulse, fit.problem.sensor, contact.diameter * sizes, probability)[0]
+    variance = max(1.0 - contact.noise, 1e-12) / seen
+    typical = contact.diameter * sqrt(fit.moment(8) / fit.moment(6))
     low = np.maximum(bands.wavenumber * typical < 0.6, np.arange(bands.energy.size) < 5)
-    zero = float(np.sum((bands.weight * bands.energy)[low]) / np.sum(bands.weight[low])) - place.noise
+    zero = float(np.sum((bands.weight * bands.energy)[low]) / np.sum(bands.weight[low])) - contact.noise
     second = pulse.life_integral(2)
     found = {"effective_diameter": max(zero, 0.0) * second / (variance * pulse.integral_moment(2)) * signal.tick}
     if fit.known.mean is not None:

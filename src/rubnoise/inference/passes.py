@@ -71,8 +71,10 @@ class Sensor:
             seen = self.response(wavenumber)
             return np.asarray(np.abs(seen) / seen)
 
-        parts = np.array_split(values, -(-values.size // _PIECE))
-        return np.concatenate([_through(undelayed, part) for part in parts])
+        found, parts = np.empty_like(values), -(-values.size // _PIECE)
+        for part, into in zip(np.array_split(values, parts), np.array_split(found, parts), strict=True):
+            into[:] = _through(undelayed, part)
+        return found
 
 
 def _through(response: Callable[[Doubles], Complexes], values: Doubles) -> Doubles:
@@ -106,11 +108,8 @@ def first_integrals(pulse: Pulse) -> Doubles:
 
 def energies(pulse: Pulse, log_phase: Doubles, width: Doubles) -> Doubles:
     """Return |a^(z; b)|^2 at each phase and each offset (the last axis), its level over ``width`` of ln z."""
-    mean = mean_life_energy(log_phase, width, pulse)[..., None]
-    if pulse.offset == "none":
-        return mean
-    shares = np.stack([np.interp(log_phase, _LOG_PHASES, each) for each in _shares(pulse)], axis=-1)
-    return np.asarray(mean * shares, dtype=np.float64)
+    mean = mean_life_energy(log_phase, width, pulse)
+    return np.stack([mean * np.interp(log_phase, _LOG_PHASES, each) for each in _shares(pulse)], axis=-1)
 
 
 @cache
@@ -129,7 +128,7 @@ def _transforms(pulse: Pulse, phases: Doubles) -> Doubles:
     for offset in offsets(pulse)[0].tolist():
         half = float(half_life(np.ones(1), np.full(1, offset))[0])
         x = 0.5 * half * (nodes + 1.0)
-        area = area_of(pulse, half + x, 1.0, offset if pulse.offset != "none" else None)
+        area = area_of(pulse, half + x, 1.0, offset)
         rows.append(half * (np.cos(np.outer(phases, x)) @ (weights * area)))
     return np.stack(rows)
 
@@ -145,10 +144,7 @@ def life_integrals(pulse: Pulse, sensor: Sensor, diameters: Doubles) -> tuple[Do
     decay = np.minimum(1.0 / (sensor.corner * diameters), _SLOWEST)
     length = 2.0 + _DECAYS * float(decay.max())
     step = length / _GRID
-    own, _ = offsets(pulse)
-    area = np.stack(
-        [area_of(pulse, step * np.arange(_GRID), 1.0, each if pulse.offset != "none" else None) for each in own]
-    )
+    area = np.stack([area_of(pulse, step * np.arange(_GRID), 1.0, each) for each in offsets(pulse)[0]])
     waves: Doubles = 2.0 * pi / length * np.arange(_GRID // 2 + 1, dtype=np.float64)
     slow = np.maximum(decay, 1e-9).tolist()
     seen = np.stack([Sensor(corner=1.0 / each, poles=sensor.poles).response(waves) for each in slow])

@@ -128,12 +128,8 @@ def banded(
     used = counts > 0.0
     first, last = edges[:-1][used], edges[1:][used] - 1
     totals = np.add.reduceat((power * kept)[: edges[-1]], edges[:-1])[used]
-    low_bins = min(n // 2, 400)
-    lowest = np.square(np.abs(rfft(window)[: low_bins + 1])) / (square * n * segments) * (2.0 if both else 1.0)
-    sums = np.concatenate([[0.0], np.cumsum(lowest)])
-    inside = last <= low_bins
-    mean_part = np.zeros(first.size)
-    mean_part[inside] = (sums[last[inside] + 1] - sums[first[inside]]) / (last[inside] + 1 - first[inside])
+    of_mean = np.square(np.abs(rfft(window))) / (square * n * segments) * (2.0 if both else 1.0)
+    mean_part = (np.add.reduceat(of_mean[: edges[-1]], edges[:-1]) / np.diff(edges))[used]
     return Bands(
         samples=n,
         segments=segments,
@@ -176,7 +172,7 @@ class Expectation:
         self._aliases: Doubles = np.abs(k[None] + turns[turns != 0.0][:, None, None])
         self._passed, self._passed_aliases = sensor.energy(k), sensor.energy(self._aliases)
         self._passed_slope, self._passed_bend = sensor.slopes(k)
-        self._tail = _tail_beyond(k, _FOLDS, pulse.tail[1], sensor) @ _WEIGHTS
+        self._tail = _tail_beyond(k, pulse.tail[1], sensor) @ _WEIGHTS
 
     def population(self, table: EnergyTable, diameter: float) -> Doubles:
         """Return the bands' means for E[psi^2] lam = 1, and their derivatives by ln d and by the shape: a row each.
@@ -209,19 +205,16 @@ class Expectation:
         return plain * _walk_leakage(self._bands)
 
 
-def _tail_beyond(k: Doubles, folds: int, power: int, sensor: Sensor) -> Doubles:
-    """Return the sum over whole m beyond ``folds``, of either sign, of |H|^2 / (k + 2 pi m)^p."""
+def _tail_beyond(k: Doubles, power: int, sensor: Sensor) -> Doubles:
+    """Return the sum over whole m beyond the aliases of the table, of either sign, of |H|^2 / (k + 2 pi m)^p."""
     from scipy.special import zeta
 
-    turn, found, last = 2.0 * pi, np.zeros_like(k), folds
-    if not sensor.is_open:
-        last = _FOLLOWED_FOLDS
-        for m in range(folds + 1, last + 1):
-            for there in (turn * m + k, turn * m - k):
-                found += sensor.energy(there) / there**power
-    rest = zeta(float(power), last + 1.0 + k / turn) + zeta(float(power), last + 1.0 - k / turn)
-    found += sensor.energy(np.full_like(k, turn * (last + 1.0))) * rest / turn**power
-    return found
+    turn, last, found = 2.0 * pi, _FOLLOWED_FOLDS + 1.0, np.zeros_like(k)
+    for m in range(_FOLDS + 1, _FOLLOWED_FOLDS + 1):
+        for there in (turn * m + k, turn * m - k):
+            found += sensor.energy(there) / there**power
+    rest = zeta(float(power), last + k / turn) + zeta(float(power), last - k / turn)
+    return found + sensor.energy(np.full_like(k, turn * last)) * rest / turn**power
 
 
 _WALK_POINTS = 4096

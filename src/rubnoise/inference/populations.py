@@ -23,7 +23,7 @@ STEP: Final = 1.0 / 1024.0
 
 _LOWEST, _HIGHEST = -7.0, 6.5  # of ln(k E[d])
 _SMALLEST, _LARGEST = -6.0, 8.0  # of ln(d / E[d])
-_SETTLED = 700.0  # phase until which the swing fades out
+_SETTLED = 700.0  # phase z = k d until which the oscillation of a^(z)^2 fades out
 _BALANCE = 3.0  # power of k d that keeps all places of the convolution within the digits of a double
 NARROWEST: Final = 0.005
 """The smallest shape that is looked for."""
@@ -96,7 +96,7 @@ def _single_energies(pulse: Pulse) -> tuple[Doubles, Doubles]:
     """Return all phases k d that the tables meet, at even steps of their logarithm, and a^(k d)^2 there."""
     places = _LOG_PHASES.size + _LOG_DIAMETERS.size - 1
     phases = np.exp(_LOWEST + _SMALLEST + STEP * np.arange(places))
-    return phases, life_energy(phases, pulse)
+    return phases, unit_energy(pulse, phases, _SETTLED)
 
 
 @cache
@@ -126,31 +126,18 @@ def mean_life_energy(log_phase: Doubles, width: Doubles, pulse: Pulse = LENS) ->
     Below and above the tables it is constant; ``width`` is at least two of their steps.
     """
     integral = _energy_integral(pulse)
+    places = _LOWEST + _SMALLEST + STEP * np.arange(integral.size)
     half = np.maximum(0.5 * width, STEP)
-
-    def up_to(end: Doubles) -> Doubles:
-        place = np.clip((end - (_LOWEST + _SMALLEST)) / STEP, 0.0, integral.size - 1.001)
-        whole = place.astype(np.int64)
-        below = integral[whole]
-        found: Doubles = below + (place - whole) * (integral[whole + 1] - below)
-        return found
-
-    inside = np.clip(log_phase, _LOWEST + _SMALLEST + half, _HIGHEST + _LARGEST - half - 2.0 * STEP)
-    level = (up_to(inside + half) - up_to(inside - half)) / (2.0 * half)
-    mean: Doubles = level / (1.0 + np.exp(pulse.tail[1] * log_phase))
-    return mean
+    inside = np.clip(log_phase, places[0] + half, places[-1] - half)
+    within = np.interp(inside + half, places, integral) - np.interp(inside - half, places, integral)
+    return within / (2.0 * half) / (1.0 + np.exp(pulse.tail[1] * log_phase))
 
 
-def life_energy(phase: Doubles, pulse: Pulse = LENS) -> Doubles:
-    """Return a^(z)^2 of a life of unit diameter at z = k d; its oscillation fades out until z = 700."""
-    return unit_energy(pulse, phase, _SETTLED)
-
-
-def _weights(population: Population, shape: float) -> Doubles:
-    """Return the density of ln d times the step, which is the probability of each place."""
-    x = np.exp(_LOG_DIAMETERS)
+def _density(population: Population, shape: float, log_diameters: Doubles) -> Doubles:
+    """Return the density of ln d, d of unit mean."""
+    x = np.exp(log_diameters)
     with np.errstate(under="ignore"):
-        return STEP * np.maximum(population.law(1.0, shape).density(x), _TINY) * x
+        return np.maximum(population.law(1.0, shape).density(x), _TINY) * x
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -203,13 +190,11 @@ def energy_table(name: str, shape: float, pulse: Pulse = LENS) -> EnergyTable:
     population = POPULATIONS[name]
     z = np.exp(_LOG_PHASES)
     if name == "fixed":
-        energy, by_shape = life_energy(z, pulse), np.zeros_like(z)
-    elif not population.spread:
-        energy = np.maximum(_averaged(_weights(population, shape)[None], pulse)[0], 0.0)
-        by_shape = np.zeros_like(z)
+        energy, by_shape = unit_energy(pulse, z, _SETTLED), np.zeros_like(z)
     else:
         change = _SHAPE_STEP * shape
-        here, below, above = (_weights(population, each) for each in (shape, shape - change, shape + change))
+        shapes = (shape, shape - change, shape + change)
+        here, below, above = (STEP * _density(population, each, _LOG_DIAMETERS) for each in shapes)
         energy, by_shape = _averaged(np.stack([here, (above - below) / (2.0 * change)]), pulse)
         energy = np.maximum(energy, 0.0)
     factor, power = pulse.tail
@@ -253,14 +238,10 @@ def shot_sizes(population: Population, shape: float) -> tuple[Doubles, Doubles, 
     """
     if population.name == "fixed":
         return np.ones(1), np.ones(1), 0.0
-    weight = _weights(population, shape)
-    ends = []
-    for power in (1, _SHOT_POWER):
-        share = np.log(np.maximum(weight, 1e-300)) + power * _LOG_DIAMETERS
-        held = np.flatnonzero(share > share.max() + log(_NEGLIGIBLE))
-        ends.append((held[0], held[-1]))
-    places = np.linspace(_LOG_DIAMETERS[ends[0][0]], _LOG_DIAMETERS[ends[1][1]], _SHOT_NODES)
-    x = np.exp(places)
-    with np.errstate(under="ignore"):
-        probability = np.maximum(population.law(1.0, shape).density(x), _TINY) * x
-    return x, probability / probability.sum(), float(places[1] - places[0])
+    logs = np.log(np.maximum(STEP * _density(population, shape, _LOG_DIAMETERS), 1e-300))
+    first, last = (logs + power * _LOG_DIAMETERS for power in (1, _SHOT_POWER))
+    lowest = _LOG_DIAMETERS[first > first.max() + log(_NEGLIGIBLE)][0]
+    highest = _LOG_DIAMETERS[last > last.max() + log(_NEGLIGIBLE)][-1]
+    places = np.linspace(lowest, highest, _SHOT_NODES)
+    probability = _density(population, shape, places)
+    return np.exp(places), probability / probability.sum(), float(places[1] - places[0])

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.inference.fitting import Expected, FitPoint, FitProblem
+from rubnoise.inference.fitting import Contact, Expected, FitProblem
 from rubnoise.inference.passes import energies, first_integrals, offsets
 from rubnoise.inference.populations import shot_sizes
 from rubnoise.tables import fields_as_text
@@ -22,19 +22,6 @@ _RIDGE = 1e-10
 _LONGEST_STEP = 0.5
 RAMP_VARIANCE: Final = 12.0
 """Variance of the rise of a fitted line, over that of the mean."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Contact:
-    """A population with its number and strengths, lengths in ticks and the trace in its own unit.
-
-    ``births`` is lam per tick, ``strength`` E[psi] (trace unit per tick^2), ``inequality`` E[psi^2] / E[psi]^2.
-    """
-
-    place: FitPoint
-    births: float
-    strength: float
-    inequality: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,18 +78,18 @@ class Fit:
 
     def moment(self, power: int) -> float:
         """Return E[x^n] of the sizes x of unit mean."""
-        return self.problem.population.moment(power, self.contact.place.shape)
+        return self.problem.population.moment(power, self.contact.shape)
 
     def by_shape(self, power: int) -> float:
         """Return d ln E[x^n] / d ln s."""
-        shape = self.contact.place.shape
+        shape = self.contact.shape
         return shape * self.problem.population.moment_slope(power, shape) / self.moment(power)
 
 
 def expected_mean(problem: FitProblem, contact: Contact) -> float:
     """Return lam E[psi] c_1 E[d^3], Campbell's mean."""
-    third = problem.population.moment(3, contact.place.shape)
-    return contact.births * contact.strength * problem.pulse.life_integral(1) * third * contact.place.diameter**3
+    third = problem.population.moment(3, contact.shape)
+    return contact.births * contact.strength * problem.pulse.life_integral(1) * third * contact.diameter**3
 
 
 def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: float = 0.0) -> Doubles:
@@ -114,9 +101,9 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
     taken as lognormal, E[psi^n] = E[psi]^n w^(n (n - 1) / 2).
     Source: Brillinger, Time Series: Data Analysis and Theory (1981), theorem 5.10.1.
     """
-    periodogram, place = problem.bands, contact.place
-    sizes, probability, step = shot_sizes(problem.population, place.shape)
-    diameters = place.diameter * sizes
+    periodogram = problem.bands
+    sizes, probability, step = shot_sizes(problem.population, contact.shape)
+    diameters = contact.diameter * sizes
     widths = step + np.log((periodogram.last + 0.5) / (periodogram.first - 0.5))  # of bands in ln k, and of sizes
     phases = np.log(np.outer(periodogram.wavenumber, diameters))
     each = energies(problem.pulse, phases, widths[:, None]) * diameters[:, None] ** 6
@@ -124,7 +111,7 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
     first = np.outer(diameters**3, first_integrals(problem.pulse)).ravel()
     chance = np.outer(probability, offsets(problem.pulse)[1]).ravel()
     # Scaled to the bands' own expectation, which knows of aliases, of the sensor and of the widths of bands.
-    expected = problem.expectation.population(problem.table(place.shape), place.diameter)[0]
+    expected = problem.expectation.population(problem.table(contact.shape), contact.diameter)[0]
     each *= (expected / (each @ chance))[:, None]
     psi, w = contact.strength, contact.inequality
     f = np.vstack([psi * first, psi**2 * each])
@@ -132,17 +119,17 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
     total[1:, 1:] *= periodogram.variance_factor * w**6
     total[0, 1:] *= w**3
     total[1:, 0] *= w**3
-    total[0, 0] = (total[0, 0] * w + place.noise / periodogram.span) * periodogram.mean_variance
+    total[0, 0] = (total[0, 0] * w + contact.noise / periodogram.span) * periodogram.mean_variance
     # A walk from a trusted zero has the mean square q n / 3 on average over the record.
-    total[0, 0] += (place.drift or 0.0) * periodogram.span / 3.0
+    total[0, 0] += (contact.drift or 0.0) * periodogram.span / 3.0
     # A ramp from a trusted zero at one end moves the mean by half of it; what of it chance brings is no drift.
-    total[0, 0] += max(ramp**2 - RAMP_VARIANCE * problem.longest_waves(place) / periodogram.span, 0.0) / 4.0
+    total[0, 0] += max(ramp**2 - RAMP_VARIANCE * problem.longest_waves(contact) / periodogram.span, 0.0) / 4.0
     rows = np.arange(1, bands.size + 1)
     total[rows, rows] += np.square(bands) / periodogram.weight
     return total
 
 
-def score(problem: FitProblem, start: FitPoint, known: Given, *, steps: int = STEPS) -> Fit:
+def score(problem: FitProblem, start: Contact, known: Given, *, steps: int = STEPS) -> Fit:
     """Return the contact whose quasi-score D' Sigma^-1 (z - E[z]) is zero, from a start near it.
 
     z are the bands, and the mean if it is known; D the derivatives of E[z], Sigma its covariance at the same
@@ -152,7 +139,7 @@ def score(problem: FitProblem, start: FitPoint, known: Given, *, steps: int = ST
     contact = _begun(problem, start, known)
     first = 0 if known.mean is not None else 1
     for left in range(steps, -1, -1):
-        expected = problem.expected(contact.place)
+        expected = problem.expected(contact)
         names, by = _derivatives(problem, contact, expected, known)
         mean = expected_mean(problem, contact)
         measured = np.concatenate([[mean if known.mean is None else known.mean], problem.bands.energy])
@@ -166,14 +153,14 @@ def score(problem: FitProblem, start: FitPoint, known: Given, *, steps: int = ST
         inverse = np.linalg.pinv(information, rcond=1e-14, hermitian=True)
         pull = white[:, :-1].T @ white[:, -1]
         step = inverse @ pull
-        if problem.is_widest(contact.place) and step[names.index("shape")] > 0.0:
+        if problem.is_widest(contact) and step[names.index("shape")] > 0.0:
             rest = np.array([name != "shape" for name in names])
             step = np.zeros(len(names))
             step[rest] = np.linalg.pinv(information[np.ix_(rest, rest)], rcond=1e-14, hermitian=True) @ pull[rest]
         step = np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)
         if left == 0 or float(step @ information @ step) < _CLOSE:
             break
-        contact = _moved(problem, contact, names, step)
+        contact = problem.moved(contact, names, step)
     return Fit(
         problem=problem,
         contact=contact,
@@ -187,17 +174,17 @@ def score(problem: FitProblem, start: FitPoint, known: Given, *, steps: int = ST
     )
 
 
-def _begun(problem: FitProblem, place: FitPoint, known: Given) -> Contact:
-    """Return the contact for a point of the fit and the known quantities."""
+def _begun(problem: FitProblem, start: Contact, known: Given) -> Contact:
+    """Return the contact with the bands of a start and with the known quantities."""
     w, strength = known.inequality, known.strength
     if known.mean is None:
-        strength = sqrt(place.rate / (known.births * w)) if strength is None else strength
-        return Contact(place=place, births=place.rate / (strength**2 * w), strength=strength, inequality=w)
-    third = problem.pulse.life_integral(1) * problem.population.moment(3, place.shape) * place.diameter**3
+        strength = sqrt(start.rate / (known.births * w)) if strength is None else strength
+        return replace(start, births=start.rate / (strength**2 * w), strength=strength, inequality=w)
+    third = problem.pulse.life_integral(1) * problem.population.moment(3, start.shape) * start.diameter**3
     sum_of_strengths = known.mean / third
-    strength = place.rate / (sum_of_strengths * w) if strength is None else strength
-    inequality = place.rate / (sum_of_strengths * strength)
-    return Contact(place=place, births=sum_of_strengths / strength, strength=strength, inequality=inequality)
+    strength = start.rate / (sum_of_strengths * w) if strength is None else strength
+    inequality = start.rate / (sum_of_strengths * strength)
+    return replace(start, births=sum_of_strengths / strength, strength=strength, inequality=inequality)
 
 
 def _derivatives(
@@ -214,18 +201,7 @@ def _derivatives(
     names = (*own, *expected.names[1:])
     by[0, names.index("diameter")] = 3.0 * mean
     if "shape" in names:
-        population, shape = problem.population, contact.place.shape
+        population, shape = problem.population, contact.shape
         by_shape = shape * population.moment_slope(3, shape) / population.moment(3, shape)  # d ln E[x^3] / d ln s
         by[0, names.index("shape")] = mean * by_shape
     return names, by
-
-
-def _moved(problem: FitProblem, contact: Contact, names: tuple[str, ...], step: Doubles) -> Contact:
-    own = {name: float(np.exp(by)) for name, by in zip(names, step, strict=True) if name in _IN_BANDS}
-    births = contact.births * own.get("births", 1.0)
-    strength = contact.strength * own.get("strength", 1.0)
-    inequality = contact.inequality * own.get("inequality", 1.0)
-    rest = [number for number, name in enumerate(names) if name not in _IN_BANDS]
-    place = problem.moved(contact.place, tuple(names[number] for number in rest), step[rest])
-    place = replace(place, rate=births * strength**2 * inequality)
-    return Contact(place=place, births=births, strength=strength, inequality=inequality)

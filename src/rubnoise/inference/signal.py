@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.arrays import Doubles, Integers, slices
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused
 
 _CLIPPED: Final = 1e-3
@@ -137,10 +137,8 @@ def ramp_of(values: Doubles) -> float:
 
     Of a trace whose mean of n samples has the variance S(0)/n, it has the variance 12 S(0)/n.
     """
-    n, total = values.size, 0.0
-    for part in slices(0, n, _SEEN):
-        total += float((np.arange(part.start, part.stop) - 0.5 * (n - 1)) @ values[part])
-    return 12.0 * total / (n * n)
+    n = values.size
+    return 12.0 * float((np.arange(n) - 0.5 * (n - 1)) @ values) / (n * n)
 
 
 def half_width_of(values: Doubles) -> float:
