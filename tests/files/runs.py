@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+import rubnoise
 from rubnoise.contact.pulses import LENS, OFF_CENTRE
 from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import RunDescription, row_count, stored_groups
@@ -36,15 +37,6 @@ ORIGIN = {
 }
 
 
-SCENARIO = {
-    "format": 1,
-    "title": "µm",
-    "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
-    "sliding": {"distance": "1 mm"},
-}
-"""The scenario that a small run says it is of."""
-
-
 def describe(
     junctions: int = 7,
     ticks: int = 11,
@@ -68,7 +60,9 @@ def describe(
         provenance={
             "scenario_toml": scenario_toml,
             "scenario_resolved": json.dumps(
-                SCENARIO | ({"pulse": {"offset": "uniform"}} if "offset" in features else {})
+                rubnoise.example("paper/fig4").resolved()
+                | {"title": "µm"}
+                | ({"pulse": {"shape": "lens", "offset": "uniform"}} if "offset" in features else {})
             ),
             **ORIGIN,
         },
