@@ -1,6 +1,6 @@
 """Welch's estimate of a spectral density, in the convention of all our pages, with its errors, bands and octaves."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import inf, pi, sqrt
@@ -18,7 +18,7 @@ from rubnoise.record.tally import Moments
 from rubnoise.theory.coupling import THIRD, band_numbers, level, third_octaves
 from rubnoise.theory.motion import FORCE, density_of, need_friction
 from rubnoise.theory.sizes import COARSE, sizes_of
-from rubnoise.theory.unit_pulse import pass_energies
+from rubnoise.theory.unit_pulse import energy, pass_energies
 
 SEGMENTS = 64
 _VALUES_AT_ONCE = 1 << 19
@@ -159,17 +159,14 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     which contain the mean, and next to the last are left out. The skewness is that of the second part alone.
     Source: as for `rubnoise.theory.second_order.autocovariance`, for four places at once.
     """
-    shared, sizes = shared_variance(seen.ticks, seen.segments), sizes_of(model.sizes, COARSE)
+    shared = shared_variance(seen.ticks, seen.segments)
     power, births = float(seen.wavenumber[1]) / pi, model.birth_rate * length
-    probabilities = np.multiply.outer(sizes.probability, pass_energies(model.pulse, np.zeros(1))[1]).ravel()
     bands, found = bands_of(seen.density.size, count), []
-    for part in bands:
-        # Off the centre line, where the energy of a life costs more, some bins represent many.
-        every = 1 if model.pulse.offset == "none" else -(-part.size // _MOST_OF_A_BAND)
-        some = seen.wavenumber[part[::every]]
-        lives = [pass_energies(model.pulse, some * d)[0].sum(axis=1) * d**6 for d in sizes.diameter.tolist()]
-        first, second, third = (float(probabilities @ np.concatenate(lives) ** n) for n in (1, 2, 3))
-        variance = _gaussian_variance(expected[part], shared) / seen.segments + second / first**2 / births
+    probabilities, band_energies = _energies(model, seen.wavenumber, bands)
+    for part, energies in zip(bands, band_energies, strict=True):
+        variance = _gaussian_variance(expected[part], shared) / seen.segments
+        first, second, third = (float(probabilities @ energies**power) for power in (1, 2, 3))
+        variance += second / first**2 / births
         level = power * float(expected[part].sum())
         found.append(
             Band(
@@ -202,6 +199,29 @@ def _gaussian_variance(expected: Doubles, shared: Doubles) -> float:
     for apart in range(1, min(shared.size, expected.size)):
         pairs += 2.0 * shared[apart] * float(expected[apart:] @ expected[:-apart])
     return pairs / float(expected.sum()) ** 2
+
+
+def _energies(
+    model: Model, wavenumber: Doubles, bands: Sequence[NDArray[np.int64]]
+) -> tuple[Doubles, Sequence[Doubles]]:
+    """Return probabilities of lives by size, and for each band the sum of |A^(k)|^2 by size, up to a factor.
+
+    Off the centre line the energy also depends on the offset, more for shorter waves; there some bins represent many.
+    """
+    sizes = sizes_of(model.sizes, COARSE)
+    if model.pulse.offset == "none":
+        if not bands:
+            return sizes.probability, ()
+        # Bands follow each other without a gap.
+        starts, inside = [int(part[0] - bands[0][0]) for part in bands], wavenumber[bands[0][0] : bands[-1][-1] + 1]
+        sums = [np.add.reduceat(energy(model.pulse, inside * d), starts) * d**6 for d in sizes.diameter.tolist()]
+        return sizes.probability, list(np.stack(sums, axis=1))
+    energies, shares = [], pass_energies(model.pulse, np.zeros(1))[1]
+    for part in bands:
+        some = wavenumber[part[:: -(-part.size // _MOST_OF_A_BAND)]]
+        sums = [pass_energies(model.pulse, some * d)[0].sum(axis=1) * d**6 for d in sizes.diameter.tolist()]
+        energies.append(np.concatenate(sums))
+    return np.multiply.outer(sizes.probability, shares).ravel(), energies
 
 
 MOST_ROWS: Final = 1 << 22
