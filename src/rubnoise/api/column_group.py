@@ -107,8 +107,17 @@ class Columns(dict[str, Column]):
         """Return the names, so that ``dict(run.trace)`` is a dictionary of columns."""
         return self.names
 
-    # Those of a dict would know nothing of columns that are read when they are needed.
-    values, items, get = Mapping.values, Mapping.items, Mapping.get  # type: ignore[assignment]
+    def values(self) -> Iterable[Column]:  # type: ignore[override]
+        """Return the columns, each read when its turn comes."""
+        return (self[name] for name in self.names)
+
+    def items(self) -> Iterable[tuple[str, Column]]:  # type: ignore[override]
+        """Return names and columns."""
+        return ((name, self[name]) for name in self.names)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a column, or the default if there is none of that name."""
+        return self[name] if name in self else default  # noqa: SIM401  (get is what is defined here)
 
     def head(self, rows: int = 5) -> "pd.DataFrame":
         """Return the first rows as a pandas DataFrame; raises ExtraMissing without pandas."""
