@@ -230,12 +230,12 @@ class Columns(dict[str, Column]):
 class Table(Columns):
     """Columns in memory, the first of which is the place of the others."""
 
-    def __init__(self, name: str, columns: Mapping[str, Column]) -> None:
-        """Take columns of equal length by their names."""
+    def __init__(self, name: str, columns: Mapping[str, Column], long_name: str = "") -> None:
+        """Take columns of equal length by their names, and what they are in words."""
         about = {each: column.about for each, column in columns.items() if column.about is not None}
         arrays = {each: column.values for each, column in columns.items()}
-        group = schema.Group(name=name, long_name="", columns=(), plotted="")
-        super().__init__(group, about, len(next(iter(arrays.values()))), partial(kept_rows, arrays))
+        group = schema.Group(name=name, long_name=long_name, columns=(), plotted="")
+        super().__init__(group, about, len(next(iter(arrays.values()))), partial(_kept_rows, arrays))
 
 
 def _unread(kind: type[Columns], state: dict[str, Any]) -> Columns:
@@ -245,7 +245,7 @@ def _unread(kind: type[Columns], state: dict[str, Any]) -> Columns:
     return found
 
 
-def kept_rows(arrays: Mapping[str, NDArray[Any]], name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+def _kept_rows(arrays: Mapping[str, NDArray[Any]], name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
     """Return rows of an array in memory, which a user may change."""
     return arrays[name][start:stop].copy()
 

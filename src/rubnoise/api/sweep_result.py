@@ -5,14 +5,15 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.column_group import Columns, kept_rows
+from rubnoise.api.column_group import Table
+from rubnoise.api.columns import Column
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
@@ -23,7 +24,6 @@ from rubnoise.runs.folder import file_of, name_in, scenario_in
 from rubnoise.runs.index import ABOUT
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.reader import refusing
-from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import KINDS, RATIO
 
@@ -65,8 +65,8 @@ class SweepResult:
     def __init__(self, path: Path, index: Index) -> None:
         self.path = path
         self.index: Final = index
-        self.runs = _columns("runs", index.runs)
-        self.points = _columns("points", index.points)
+        self.runs = _table("runs", index.runs)
+        self.points = _table("points", index.points)
 
     def __enter__(self) -> Self:
         return self
@@ -265,11 +265,9 @@ class SweepResult:
         return np.flatnonzero(np.isclose(column[:], number, rtol=_ROUNDING, atol=0.0)).tolist()
 
 
-def _columns(group: str, columns: Mapping[str, Filled]) -> Columns:
-    about = Group(name=group, long_name=f"the {group} of a sweep", columns=(), plotted="")
-    arrays = {name: column.values for name, column in columns.items()}
-    rows = len(next(iter(arrays.values())))
-    return Columns(about, {name: column.about for name, column in columns.items()}, rows, partial(kept_rows, arrays))
+def _table(name: str, columns: Mapping[str, Filled]) -> Table:
+    filled = {each: Column(column.values, column.about) for each, column in columns.items()}
+    return Table(name, filled, f"the {name} of a sweep")
 
 
 def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:

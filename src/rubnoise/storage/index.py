@@ -79,7 +79,7 @@ class Index:
     def scenario(self, point: int) -> Scenario:
         """Return the scenario of a point by its number, with a seed of the first point; raises RunFileRefused."""
         resolved = json.loads(self.texts["scenario_resolved"])
-        for key, value in self.values[point].items():
+        for key, value in json.loads(self.points["values"].values[point]).items():  # of this point alone
             section, name = key.split(".")
             resolved.setdefault(section, {})[name] = value
         return stored(resolved, f"the scenario of point {point}")
