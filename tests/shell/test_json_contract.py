@@ -1,10 +1,12 @@
 """JSON answers are those that docs/json.md promises: every field with its type, and no other."""
 
+import csv
 import json
 import re
 from collections.abc import Iterator
 from contextlib import chdir
 from dataclasses import dataclass
+from io import StringIO
 from math import inf
 from pathlib import Path
 from shlex import split
@@ -160,6 +162,21 @@ def _printed(answer: Any) -> Any:
 def test_no_number_of_an_answer_is_infinite_or_none_in_json() -> None:
     answer = Answer(tables=(Table(name="curve", columns={"area": np.array([1.0, inf])}),))
     assert _printed(answer.to_json())["curve"]["area"] == [1.0, None]
+
+
+def test_csv_has_every_value_of_an_answer(here: Path) -> None:
+    (here / "full.toml").write_text(WITH_SLIDER, encoding="utf-8")
+    (here / "sweep.toml").write_text(CONTACT + "[sweep]\nreplicates = 2\n", encoding="utf-8")
+    long = ("run", "full.toml", "-o", "long.h5", "--set", "sliding.distance=700 um", "--force")
+    made = ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1")
+    of_run = (("info", "long.h5"), ("compare", "long.h5"), ("verify", "long.h5"), ("infer", "long.h5"))
+    for asked in (long, made, ("info", "swept"), *of_run, ("theory", "full.toml"), ("run", "full.toml", "--dry-run")):
+        as_csv, as_json = call(*asked, "--csv"), call(*asked, "--json").json()
+        told = {(each["part"], each["name"]): each["value"] for each in csv.DictReader(StringIO(as_csv.out))}
+        for part, rows in as_json.items():
+            for name, row in rows.items() if isinstance(rows, dict) else ():
+                if isinstance(row, dict) and isinstance(row.get("value"), float):
+                    assert float(told[part, name]) == row["value"], asked
 
 
 @pytest.mark.slow

@@ -96,6 +96,15 @@ mean_junction_count = 20
 [sliding]
 distance = "2 mm"
 """
+SHORT_HEAD = HEAD.replace("2 mm", "100 um")
+SMALL = """\
+[output]
+tick = "5 um"
+[sweep]
+replicates = 2
+[sweep.grid]
+interface.mean_junction_count = [10, 20]
+"""
 GRID = """\
 [sweep]
 replicates = 2

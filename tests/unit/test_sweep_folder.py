@@ -19,31 +19,13 @@ from rubnoise.runs.verify import verify_sweep
 from rubnoise.scenario.sweep import Sweep, expand, run_id
 from rubnoise.storage.output import PartFile
 from rubnoise.storage.writer import RunWriter
-from tests.unit.scenarios import GRID, sweep_of
+from tests.unit.scenarios import GRID, SHORT_HEAD, SMALL, sweep_of
 
 pytestmark = pytest.mark.slow
 
-SMALL = """\
-[output]
-tick = "5 um"
-[sweep]
-replicates = 2
-[sweep.grid]
-interface.mean_junction_count = [10, 20]
-"""
-HEAD = """\
-format = 1
-title = "swept"
-[interface]
-mean_real_contact_area = "200 um^2"
-mean_junction_count = 20
-[sliding]
-distance = "100 um"
-"""
-
 
 def small(folder: Path, *changes: str, table: str = SMALL) -> Sweep:
-    return sweep_of(folder, table, *changes, head=HEAD)
+    return sweep_of(folder, table, *changes, head=SHORT_HEAD)
 
 
 @pytest.fixture(scope="module")

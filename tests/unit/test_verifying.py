@@ -14,7 +14,7 @@ from rubnoise.runs.verify import verify_sweep
 from rubnoise.storage import index
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import HASH
-from tests.unit.scenarios import sweep_of
+from tests.unit.scenarios import SHORT_HEAD, SMALL, sweep_of
 from tests.unit.tampering import forget, put_seal, put_text, run_of, tell
 
 pytestmark = pytest.mark.slow
@@ -118,23 +118,6 @@ def test_a_change_is_named(result: Path, name: str) -> None:
 
 
 # The folder of a sweep is what it says, and every change of it is named: index and runs.
-TABLE = """\
-[output]
-tick = "5 um"
-[sweep]
-replicates = 2
-[sweep.grid]
-interface.mean_junction_count = [10, 20]
-"""
-HEAD = """\
-format = 1
-title = "swept"
-[interface]
-mean_real_contact_area = "200 um^2"
-mean_junction_count = 20
-[sliding]
-distance = "100 um"
-"""
 FolderChange = Callable[[Path], object]
 
 
@@ -142,7 +125,7 @@ FolderChange = Callable[[Path], object]
 def original_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a sweep of four runs."""
     folder = tmp_path_factory.mktemp("swept")
-    rubnoise.sweep(sweep_of(folder, TABLE, head=HEAD), folder / "d", jobs=1).close()
+    rubnoise.sweep(sweep_of(folder, SMALL, head=SHORT_HEAD), folder / "d", jobs=1).close()
     return folder / "d"
 
 

@@ -12,7 +12,7 @@ import typer
 
 from rubnoise.answer import Answer, Table, rows
 from rubnoise.cli.layout import sentence, show
-from rubnoise.cli.options import AsJson, Changes, argument, option
+from rubnoise.cli.options import AsCsv, AsJson, Changes, argument, option
 from rubnoise.cli.vocabulary import UNITS
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError
 
@@ -26,6 +26,7 @@ def check(
     *,
     changes: Changes = None,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
 ) -> None:
     """Check scenarios, and print what follows from them.
 
@@ -35,6 +36,8 @@ def check(
 
     Example: rubnoise check scenarios/paper/fig5.toml
     """
+    if as_csv and len(files) > 1:
+        raise typer.BadParameter("--csv is for one file; --json answers for several")
     answers: dict[str, dict[str, Any]] = {"scenarios": {}, "sweeps": {}, "refused": {}}
     for file in files:
         try:
@@ -45,7 +48,7 @@ def check(
             continue
         answers[group][str(file)] = answer.to_json()
         if not as_json:
-            show(answer, as_json=False)
+            show(answer, as_csv=as_csv)
     if as_json:
         print(json.dumps(answers, allow_nan=False))
     if answers["refused"]:

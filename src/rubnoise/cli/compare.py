@@ -9,7 +9,7 @@ import typer
 
 from rubnoise.answer import Row, printable
 from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsJson, ResultFile, flag, option
+from rubnoise.cli.options import AsCsv, AsJson, ResultFile, flag, option
 from rubnoise.cli.progress import bar
 from rubnoise.cli.vocabulary import named
 from rubnoise.errors import NotPassed, Refused
@@ -26,6 +26,7 @@ def compare(
         float | None, option("Z", "Largest |z| of a figure that agrees; default: the family-wise bound of all figures.")
     ] = None,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
 ) -> None:
     """Compare the rows of a result with exact theory.
 
@@ -43,7 +44,7 @@ def compare(
         model = stored(run.provenance["scenario_resolved"]).model()
         found = comparison.compare(model, run, bound)
         title = f"{file}: compared with the theory of its scenario"
-        show(replace(found, title=title, rows=(*found.rows, *_white_noise(model))), as_json=as_json)
+        show(replace(found, title=title, rows=(*found.rows, *_white_noise(model))), as_json=as_json, as_csv=as_csv)
     if found.outside:
         raise NotPassed(f"{printable(str(file))}: outside: {', '.join(found.outside)}")
 
@@ -72,6 +73,7 @@ def verify(
         ),
     ] = False,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
 ) -> None:
     """Play a run again, and compare every value of its result.
 
@@ -100,7 +102,7 @@ def verify(
             run.watch = lambda column, row, rows: show_bar(row, rows, column)
             found = verification.verify(run, regenerate=regenerate)
         whole = "its hashes and its run, played again"
-    show(replace(found, title=f"{file}: compared with {whole}"), as_json=as_json)
+    show(replace(found, title=f"{file}: compared with {whole}"), as_json=as_json, as_csv=as_csv)
     if found.different:
         said = [check.first for check in found.different]
         first = next((each for each in said if " row " in each), said[0])  # one with a row says most

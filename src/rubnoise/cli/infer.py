@@ -7,7 +7,7 @@ from typing import Annotated, Final
 
 from rubnoise.answer import Answer, printable
 from rubnoise.cli.layout import show, write_texts
-from rubnoise.cli.options import AsJson, ReplaceFiles, argument, flag, option
+from rubnoise.cli.options import AsCsv, AsJson, ReplaceFiles, argument, flag, option
 from rubnoise.errors import in_shell
 
 Shape = StrEnum("Shape", "lens parabola")
@@ -17,7 +17,7 @@ LawChoice = StrEnum("LawChoice", "auto fixed normal lognormal exponential gamma"
 """Lives that can be read, how far passes miss the centre line, whether 0 means no force, laws of sizes."""
 
 
-OF_COMMAND: Final = ("as_json", "output", "report", "force")
+OF_COMMAND: Final = ("as_json", "as_csv", "output", "report", "force")
 """Options that say what becomes of the answer; all others are those of `rubnoise.infer`."""
 
 
@@ -57,6 +57,7 @@ def infer(
         int, option("N", "Simulate so many traces of what was found, to check its errors.", min=0)
     ] = 0,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
     output: Annotated[
         Path | None, option("TOML", "Write a scenario that simulates what was found.", "-o", "--output")
     ] = None,
@@ -92,7 +93,7 @@ def infer(
 
         texts[report] = fit_page(found, trace, answer.to_text())
     write_texts(texts, force=force)
-    show(answer, as_json=as_json)
+    show(answer, as_json=as_json, as_csv=as_csv)
     if found.refused_because is not None:
         raise NotPassed(f"{printable(trace)}: refused: {found.refused_because}")
     if found.flags:

@@ -3,17 +3,17 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 import rubnoise
 from rubnoise.answer import Answer, Row, Table, rows
 from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsJson, ResultOrSweep, option
-from rubnoise.cli.run import counts, failures
+from rubnoise.cli.options import AsCsv, AsJson, ResultOrSweep, option
 from rubnoise.errors import Refused
-from rubnoise.regular_file import is_folder
+from rubnoise.figure_names import FAILED, STATES
+from rubnoise.regular_file import INDEX, is_folder
 
 if TYPE_CHECKING:
     from rubnoise.analysis.replicates import PooledEstimate
@@ -29,6 +29,7 @@ def info(
     ] = None,
     over: Annotated[str | None, option("KEY=VALUE", "The same over the points with this value of a swept key.")] = None,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
 ) -> None:
     """Show what a result or a sweep contains.
 
@@ -39,7 +40,7 @@ def info(
     Example: rubnoise info fig5.h5
     """
     if is_folder(file):
-        _show_sweep(file, figures, over, as_json=as_json)
+        show(_of_sweep(file, figures, over), as_json=as_json, as_csv=as_csv)
         return
     if figures is not None or over is not None:
         raise typer.BadParameter("--figures and --over are for the folder of a sweep")
@@ -47,15 +48,15 @@ def info(
     from rubnoise.storage.reader import open_run
 
     with Run(open_run(file)) as run:
-        show(run_answer(run, file), as_json=as_json)
+        show(run_answer(run, file), as_json=as_json, as_csv=as_csv)
 
 
-def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json: bool) -> None:
+def _of_sweep(folder: Path, figures: str | None, over: str | None) -> Answer:
     if over is not None and figures is None:
         raise typer.BadParameter("--over is for --figures")
     with rubnoise.open_sweep(folder) as sweep:
         names = [] if figures is None else [name.strip() for name in figures.split(",")]
-        show(sweep_answer(sweep, folder, estimates(sweep, names, over)), as_json=as_json)
+        return sweep_answer(sweep, folder, estimates(sweep, names, over))
 
 
 def run_answer(run: "Run", file: Path) -> Answer:
@@ -95,18 +96,40 @@ def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
     return told, [Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "level": "dB", "exact": "dB"})]
 
 
-def sweep_answer(sweep: "SweepResult", folder: Path, estimated: "list[Table]") -> Answer:
-    """Return the content of the folder of a sweep, and ``estimated`` figures."""
-    known: dict[str, Any] = {name: sweep.attributes[name] for name in ("source", "command", "written")}
+def sweep_answer(sweep: "SweepResult", folder: Path, more: "list[Table]") -> Answer:
+    """Return the content of the folder of a sweep, its failed runs, and ``more`` tables."""
+    known: dict[str, Any] = {"folder": str(folder), "index": str(folder / INDEX)}
+    known |= {name: sweep.attributes[name] for name in ("source", "command", "written")}
     known |= {"points": len(sweep.points), "runs": len(sweep.runs)}
-    known |= counts(sweep)
+    known |= {state: sweep.count(state) for state in STATES}
     size_of_all = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
     lists = {name: list(getattr(sweep, name)) or None for name in ("grid", "side_by_side", "figures", "summaries")}
+    found = rows("", *known.items(), ("bytes", size_of_all, "B"), *lists.items())
     return Answer(
         title=f"{folder}: {sweep.title}",
-        rows=tuple(rows("", *known.items(), ("bytes", size_of_all, "B"), *lists.items())),
-        tables=(*failures(sweep), *estimated),
+        rows=tuple(replace(row, fails=row.name == FAILED and row.value > 0) for row in found),
+        tables=(*failures(sweep), *more),
     )
+
+
+MOST_FAILURES: Final = 20
+"""Failed runs that text shows."""
+
+
+def failures(sweep: "SweepResult") -> Iterator[Table]:
+    """Yield the runs that failed, with their points and the reasons."""
+    if failed := sweep.failures:
+        columns: dict[str, list[Any]] = {"run_id": [each.run_id for each in failed]}
+        columns |= {key: [str(each.values[key]) for each in failed] for key in sweep.keys}
+        columns |= {name: [getattr(each, name) for each in failed] for name in ("replicate", "reason")}
+        yield Table(name="failures", columns=columns, shown=range(min(len(failed), MOST_FAILURES)))
+
+
+def runs_in_words(sweep: "SweepResult") -> str:
+    """Return the number of runs, and how many are done, failed and planned."""
+    counts = {state: sweep.count(state) for state in STATES}
+    told = ", ".join(f"{count:,} {state}" for state, count in counts.items() if count)
+    return f"{len(sweep.runs):,} runs: {told}"
 
 
 def estimates(sweep: "SweepResult", names: Sequence[str], over: str | None = None) -> list[Table]:

@@ -10,7 +10,7 @@ import typer
 
 from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile, argument, flag, option
+from rubnoise.cli.options import AsCsv, AsJson, ReplacePlot, ResultFile, argument, flag, option
 from rubnoise.cli.plot import check_picture, check_plot, write_picture
 from rubnoise.cli.vocabulary import UNITS, fields_of, named
 from rubnoise.errors import Refused
@@ -51,8 +51,8 @@ def junctions(
         int | None, option("N", "Largest number of rows; default: 20 as text, otherwise all.", min=0)
     ] = None,
     columns: Annotated[str | None, option("A,B,...", "The columns to print.")] = None,
-    as_csv: Annotated[bool, flag("Print a table with commas, units in its heading.", "--csv")] = False,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
     plot: Annotated[bool, flag("Draw the life of junction N into a png file.", "--plot")] = False,
     force: ReplacePlot = False,
 ) -> None:
@@ -71,7 +71,7 @@ def junctions(
     chosen = {"--where": where, "--sort": sort, "--reverse": reverse or None, "--head": head, "--columns": columns}
     if given := [name for name, value in chosen.items() if value is not None and number is not None]:
         raise typer.BadParameter(f"{given[0]} is for a list, not for one junction")
-    check_plot(picture, plot=plot, as_csv=as_csv, as_json=as_json, force=force)
+    check_plot(picture, plot=plot, printed=as_csv or as_json, force=force)
     if plot and number is None:
         raise typer.BadParameter("--plot is for one junction: rubnoise junctions RUN.h5 N")
     if picture is not None and picture.suffix.lower() != ".png":

@@ -31,7 +31,7 @@ def sentence(text: str, indent: str = "") -> str:
     return indent + text if terminal_width() is None else broken(text, width(), indent)
 
 
-def show(answer: Answer, *, as_json: bool, as_csv: bool = False) -> None:
+def show(answer: Answer, *, as_json: bool = False, as_csv: bool = False) -> None:
     """Print an answer as one JSON object, as CSV, or as text as wide as the terminal."""
     if as_json:
         print(json.dumps(answer.to_json(), allow_nan=False))

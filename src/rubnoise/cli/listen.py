@@ -82,7 +82,7 @@ def listen(
             with whole_file(path, force=force) as part:
                 pieces = samples_of(sound, level, between)
                 write_wave(part, pieces, samples=sound.samples, rate=sound.rate, texts=texts)
-            show(sound_answer(path, sound, level, others=len(sounds) - 1), as_json=False)
+            show(sound_answer(path, sound, level, others=len(sounds) - 1))
 
 
 def _check_paths(files: list[Path], paths: list[Path], *, force: bool) -> None:

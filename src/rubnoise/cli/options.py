@@ -17,16 +17,24 @@ def option(metavar: str, about: str, *names: str, **more: Any) -> Any:
     return typer.Option(*names, help=about, metavar=metavar, **more)
 
 
-def flag(about: str, *names: str) -> Any:
+def flag(about: str, *names: str, **more: Any) -> Any:
     """Return an option without a value."""
-    return typer.Option(*names, help=about)
+    return typer.Option(*names, help=about, **more)
+
+
+def _one_form(context: typer.Context, *, value: bool) -> bool:
+    """Raise BadParameter for an answer in two forms."""
+    if value and (context.params.get("as_json") or context.params.get("as_csv")):
+        raise typer.BadParameter("only one of --csv and --json")
+    return value
 
 
 ResultFile = Annotated[Path, argument("RUN.h5", "A result file.")]
 ResultOrSweep = Annotated[Path, argument("RUN.h5|DIR", "A result file, or the folder of a sweep.")]
 StretchStart = Annotated[str | None, option("S", "Start of the stretch: um, or with a unit.", "--from")]
 StretchEnd = Annotated[str | None, option("S", "End of the stretch.", "--to")]
-AsJson = Annotated[bool, flag("Print one JSON object and nothing else.", "--json")]
+AsJson = Annotated[bool, flag("Print one JSON object and nothing else.", "--json", callback=_one_form)]
+AsCsv = Annotated[bool, flag("Print CSV, one line per number.", "--csv", callback=_one_form)]
 Quiet = Annotated[bool, flag("Print only errors.", "-q", "--quiet")]
 ReplaceFile = Annotated[bool, flag("Replace an existing file.", "--force")]
 ReplaceFiles = Annotated[bool, flag("Replace existing files.", "--force")]

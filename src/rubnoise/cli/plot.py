@@ -211,9 +211,9 @@ def write_picture(path: Path, draw: "Callable[[], Figure]", *, force: bool, styl
     print(path)
 
 
-def check_plot(picture: Path | None, *, plot: bool, as_csv: bool, as_json: bool, force: bool) -> None:
-    """Raise BadParameter for an answer in two forms, and for what belongs to a picture that is not asked for."""
-    if as_csv + as_json + plot > 1:
+def check_plot(picture: Path | None, *, plot: bool, printed: bool, force: bool) -> None:
+    """Raise BadParameter for a picture beside numbers, and for what belongs to one that is not asked for."""
+    if plot and printed:
         raise typer.BadParameter("only one of --csv, --json and --plot")
     if not plot and (picture is not None or force):
         raise typer.BadParameter(f"{picture or '--force'} is for --plot")

@@ -3,31 +3,27 @@
 import os
 import sys
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 from shutil import which
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import rubnoise
-from rubnoise.answer import Answer, Row, Table, rows, size
+from rubnoise.answer import Answer, Table, rows, size
 from rubnoise.cli.layout import as_wide_text, sentence, show
-from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult, argument, flag, option
+from rubnoise.cli.options import AsCsv, AsJson, EngineName, Quiet, ReplaceResult, argument, flag, option
 from rubnoise.cli.progress import (
     announce_compilation,
     announce_compilation_by_workers,
     interrupted_at_once,
     stoppable_bar,
 )
-from rubnoise.figure_names import STATES
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
-    from rubnoise.api.run import Run
-    from rubnoise.api.sweep_result import SweepResult
     from rubnoise.runs.sweep import SweepProgress, Unmet
     from rubnoise.scenario import Scenario
     from rubnoise.scenario.sweep import Sweep
@@ -49,6 +45,7 @@ def run(
     force: ReplaceResult = False,
     dry_run: Annotated[bool, flag("Check everything, run nothing, write nothing.", "--dry-run")] = False,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a scenario, and keep everything in one HDF5 file.
@@ -67,16 +64,23 @@ def run(
     stem = "rubnoise" if str(file) == STANDARD_INPUT else file.stem
     path = Path(f"{stem}.h5") if output is None else output
     check_output(path, force=force, reads=scenario.files)
-    if dry_run:
-        _print_forecast(scenario, path, as_json=as_json, quiet=quiet)
-    else:
-        _run(scenario, path, force=force, as_json=as_json, quiet=quiet or as_json)
+    doubts = _doubts(scenario, quiet=quiet or as_json)
+    quiet = quiet or as_json or as_csv
+    answer = _forecast(scenario, path) if dry_run else _run(scenario, path, force=force, quiet=quiet)
+    if as_json or as_csv:
+        warned = (f"warning: {warning}" for warning in (*scenario.warnings, *doubts))
+        show(replace(answer, notes=(*warned, *answer.notes)), as_json=as_json, as_csv=as_csv)
+    elif not quiet:
+        show(answer)
+        if not dry_run:
+            print("next:")
+            print("\n".join(f"  {program()} {each} {quote(str(path))}" for each in ("plot", "page", "junctions")))
 
 
-def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
+def _run(scenario: "Scenario", path: Path, *, force: bool, quiet: bool) -> Answer:
+    """Run a scenario into its file, and return the outcome with the seconds that it took."""
     from numba.core.event import TimingListener, install_listener
 
-    doubts = _doubts(scenario, quiet=quiet)
     if not quiet:
         announce_compilation()
     began, compiling = time.monotonic(), TimingListener()  # type: ignore[no-untyped-call]
@@ -90,45 +94,28 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
         result = rubnoise.run(scenario, path, force=force, watch=watch, command=["rubnoise", *sys.argv[1:]])
     with result:
         seconds = time.monotonic() - began - (compiling.duration if compiling.done else 0.0)
-        _print_result(result, path, seconds, [*scenario.warnings, *doubts], as_json=as_json, quiet=quiet)
+        junctions, ticks, count = len(result.junctions), len(result.trace), path.stat().st_size
+        told = (("output", str(path)), ("seed", result.provenance["seed"]), ("junctions", junctions), ("ticks", ticks))
+        summary = [replace(row, part="summary") for row in result.summary]
+    return Answer(
+        title=f"{path}: {junctions:,} junctions, {ticks:,} ticks, {size(count)}, in {seconds:.1f} s",
+        rows=(*rows("result", *told, ("bytes", count, "B")), *summary),
+    )
 
 
-def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: bool) -> None:
+def _forecast(scenario: "Scenario", path: Path) -> Answer:
+    """Return what a run would take, and that nothing was run."""
     from rubnoise.cli.derivation import FREE_ROWS, cost
     from rubnoise.storage.forecast import check_disk_space, counted, expected
 
     check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
     check_disk_space(scenario, budget, path)
-    warnings = [*scenario.warnings, *_doubts(scenario, quiet=quiet or as_json)]
-    notes = [] if scenario.model().free is None else [FREE_ROWS]
-    told = (*rows("result", ("output", str(path))), *cost(budget))
-    _print(
-        Answer(title=f"{path}: nothing run, nothing written", rows=told), warnings, notes, as_json=as_json, quiet=quiet
+    return Answer(
+        title=f"{path}: nothing run, nothing written",
+        rows=(*rows("result", ("output", str(path))), *cost(budget)),
+        notes=() if scenario.model().free is None else (FREE_ROWS,),
     )
-
-
-def _print(answer: Answer, warnings: list[str], notes: list[str], *, as_json: bool, quiet: bool) -> None:
-    """Print an answer; text has no warnings, which were printed before."""
-    warned = [f"warning: {warning}" for warning in warnings] if as_json else []
-    if as_json or not quiet:
-        show(replace(answer, notes=(*warned, *notes)), as_json=as_json)
-
-
-def _print_result(
-    result: "Run", path: Path, seconds: float, warnings: list[str], *, as_json: bool, quiet: bool
-) -> None:
-    """Print the outcome of a run, with its path and the seconds that it took."""
-    junctions, ticks, count = len(result.junctions), len(result.trace), path.stat().st_size
-    told = (("output", str(path)), ("seed", result.provenance["seed"]), ("junctions", junctions), ("ticks", ticks))
-    answer = Answer(
-        title=f"{path}: {junctions:,} junctions, {ticks:,} ticks, {size(count)}, in {seconds:.1f} s",
-        rows=(*rows("result", *told, ("bytes", count, "B")), *(replace(row, part="summary") for row in result.summary)),
-    )
-    _print(answer, warnings, [], as_json=as_json, quiet=quiet)
-    if not (as_json or quiet):
-        print("next:")
-        print("\n".join(f"  {program()} {each} {quote(str(path))}" for each in ("plot", "page", "junctions")))
 
 
 def program() -> str:
@@ -156,10 +143,6 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     return doubts
 
 
-MOST_FAILURES: Final = 20
-"""Failed runs that text shows."""
-
-
 @interrupted_at_once
 def sweep(
     file: Annotated[Path, argument("FILE", "A file with a table [sweep], or one run's for --over.")],
@@ -183,6 +166,7 @@ def sweep(
     engine: EngineName = None,
     force: Annotated[bool, flag("Leave the runs of other scenarios that are in the folder.", "--force")] = False,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
     quiet: Quiet = False,
 ) -> None:
     """Make every run of a sweep, in one folder with an index.
@@ -195,16 +179,17 @@ def sweep(
     Example: rubnoise sweep scenarios/paper/fig7.toml -o fig7
     """
     from rubnoise.api.sweep_result import open_sweep
+    from rubnoise.cli.info import failures, runs_in_words, sweep_answer
     from rubnoise.cli.loading import axes, loaded, overrides
     from rubnoise.runs.sweep import carry_out
     from rubnoise.scenario.sweep import load_sweep
 
     asked = loaded(load_sweep, file, (*overrides(changes, engine=engine), *axes(over)), quiet=quiet or as_json)
     place = Path(file.stem) if folder is None else folder
-    shown = sys.stderr.isatty() and not quiet and not as_json
-    if not quiet and not as_json:
+    quiet = quiet or as_json or as_csv
+    if not quiet:
         announce_compilation_by_workers()
-    with stoppable_bar(shown=shown) as show_bar:
+    with stoppable_bar(shown=sys.stderr.isatty() and not quiet) as show_bar:
 
         def watch(progress: "SweepProgress") -> None:
             ended = progress.done + progress.failed
@@ -222,9 +207,13 @@ def sweep(
             watch=watch,
         )
     result = open_sweep(place)
-    answer = outcome(asked, result, imprecise)
-    if as_json:
-        show(answer, as_json=True)
+    answer = replace(
+        sweep_answer(result, place, short_of_precision(asked, imprecise)),
+        title=f"{place}: {len(asked.cases):,} points, {runs_in_words(result)}",
+        notes=tuple(f"warning: {warning}" for warning in asked.warnings),
+    )
+    if as_json or as_csv:
+        show(answer, as_json=as_json, as_csv=as_csv)
     elif not quiet:
         print(as_wide_text(replace(answer, rows=(), tables=answer.tables[1:] if result.failures else answer.tables)))
     if result.failures and not as_json:
@@ -235,44 +224,9 @@ def sweep(
         raise typer.Exit(1)
 
 
-def outcome(sweep: "Sweep", result: "SweepResult", imprecise: "list[Unmet]") -> Answer:
-    """Return what came of a sweep: how many runs, and which points are short of the requested precision."""
-    short = Table(
-        name="imprecise",
-        columns={
-            **{key: [str(unmet.values[key]) for unmet in imprecise] for key in sweep.keys},
-            "replicates": [unmet.replicates for unmet in imprecise],
-            "relative_standard_error": [unmet.reached for unmet in imprecise],
-        },
-    )
-    known: dict[str, Any] = {"folder": str(result.path), "index": str(result.path / "index.h5")}
-    known |= {"points": len(sweep.cases), "runs": len(result.runs), **counts(result)}
-    return Answer(
-        title=f"{result.path}: {len(sweep.cases):,} points, {runs_in_words(result)}",
-        rows=tuple(
-            Row(name=name, value=value, fails=name == "failed" and bool(value)) for name, value in known.items()
-        ),
-        tables=(*failures(result), *([short] if imprecise else [])),
-        notes=tuple(f"warning: {warning}" for warning in sweep.warnings),
-    )
-
-
-def failures(result: "SweepResult") -> Iterator[Table]:
-    """Yield the runs that failed, with their points and the reasons."""
-    failed = result.failures
-    if failed:
-        columns: dict[str, list[Any]] = {"run_id": [each.run_id for each in failed]}
-        columns |= {key: [str(each.values[key]) for each in failed] for key in result.keys}
-        columns |= {"replicate": [each.replicate for each in failed], "reason": [each.reason for each in failed]}
-        yield Table(name="failures", columns=columns, shown=range(min(len(failed), MOST_FAILURES)))
-
-
-def runs_in_words(result: "SweepResult") -> str:
-    """Return the number of runs, and how many are done, failed and planned."""
-    told = ", ".join(f"{count:,} {state}" for state, count in counts(result).items() if count)
-    return f"{len(result.runs):,} runs: {told}"
-
-
-def counts(result: "SweepResult") -> dict[str, int]:
-    """Return how many runs are done, failed and planned."""
-    return {state: result.count(state) for state in STATES}
+def short_of_precision(sweep: "Sweep", imprecise: "list[Unmet]") -> list[Table]:
+    """Return a table of the points that are short of the requested precision; none if there are none."""
+    columns: dict[str, list[Any]] = {key: [str(unmet.values[key]) for unmet in imprecise] for key in sweep.keys}
+    columns["replicates"] = [unmet.replicates for unmet in imprecise]
+    columns["relative_standard_error"] = [unmet.reached for unmet in imprecise]
+    return [Table(name="imprecise", columns=columns)] if imprecise else []

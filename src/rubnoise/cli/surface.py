@@ -14,7 +14,7 @@ import typer
 
 from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.cli.layout import show, write_texts
-from rubnoise.cli.options import AsJson, ReplaceFile, ReplaceFiles, argument, flag, option
+from rubnoise.cli.options import AsCsv, AsJson, ReplaceFile, ReplaceFiles, argument, flag, option
 from rubnoise.cli.vocabulary import UNITS, fields_of, named
 from rubnoise.errors import Refused, in_shell
 
@@ -56,6 +56,7 @@ def surface(
     output: Annotated[Path | None, option("FILE", "Write the scenario.", "-o", "--output")] = None,
     report: Annotated[Path | None, option("HTML", "Write a page with maps and curves.")] = None,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
     force: ReplaceFiles = False,
     # Read before the command is chosen (`app.py`); here it is for --help alone.
     _synthesise: Annotated[
@@ -99,7 +100,7 @@ def surface(
 
         texts[report] = surface_report(contact, answer.to_text(), **wanted)
     write_texts(texts, force=force)
-    show(answer, as_json=as_json)
+    show(answer, as_json=as_json, as_csv=as_csv)
     if contact.refused:
         raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
 
@@ -233,6 +234,7 @@ def synthesise(
         Path | None, option("FILE.nc", "The file to write; default: surfaceSEED.nc.", "-o", "--output")
     ] = None,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
     force: ReplaceFile = False,
 ) -> None:
     """Make a self-affine surface, as a file that `rubnoise surface` reads.
@@ -254,4 +256,4 @@ def synthesise(
     made.save(path, force=force)
     told = rows("", ("surface", str(path)), ("digest", made.map.digest))
     rough = named("roughness", made.roughness())
-    show(Answer(title=f"{path}: {made.map.history[0]}", rows=(*told, *rough)), as_json=as_json)
+    show(Answer(title=f"{path}: {made.map.history[0]}", rows=(*told, *rough)), as_json=as_json, as_csv=as_csv)

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsJson, Changes, ReplacePlot, argument, flag, option
+from rubnoise.cli.options import AsCsv, AsJson, Changes, ReplacePlot, argument, flag, option
 from rubnoise.cli.plot import check_picture, check_plot, write_picture
 from rubnoise.errors import Refused
 
@@ -30,8 +30,8 @@ def theory(
         int | None, option("N", "Add the expected result of Welch's method with segments of N ticks.", "--segment")
     ] = None,
     white: Annotated[bool, flag("Add white noise of the same level at low frequency (Kilburn).", "--white")] = False,
-    as_csv: Annotated[bool, flag("Print CSV, one row per number.", "--csv")] = False,
     as_json: AsJson = False,
+    as_csv: AsCsv = False,
     plot: Annotated[bool, flag("Draw it into a png, pdf or svg file.", "--plot")] = False,
     force: ReplacePlot = False,
 ) -> None:
@@ -47,7 +47,7 @@ def theory(
     from rubnoise.cli.loading import scenario_or_result
     from rubnoise.cli.theory_answer import places, theory_answer
 
-    check_plot(picture, plot=plot, as_csv=as_csv, as_json=as_json, force=force)
+    check_plot(picture, plot=plot, printed=as_csv or as_json, force=force)
     points_given = bool(wavenumbers or lags or areas or distances or segment is not None or white)
     if plot and points_given:
         raise typer.BadParameter("--plot draws curves; points are for numbers")
