@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rubnoise
+from rubnoise.analysis.measured import Measured
 from rubnoise.api.running import Record
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
-from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.sampling import standard_errors
@@ -78,9 +78,10 @@ def relative_errors(model: Model, row: dict[str, Any]) -> tuple[float, float]:
 
 def measured(model: Model, seed: int) -> Figures:
     """Run a model without keeping its rows, and return the moments of its area and the mean of its count."""
-    tally = Tally()
-    simulate(model, seed, tally)
-    area, count = tally.moments["real_contact_area"], tally.moments["junction_count"]
+    seen = Measured(model)
+    seen.first = {}
+    simulate(model, seed, seen)
+    area, count = (seen.moments["trace", name] for name in ("real_contact_area", "junction_count"))
     return {
         "area_mean": area.mean,
         "area_std": area.std,

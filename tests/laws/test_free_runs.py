@@ -170,7 +170,7 @@ def test_first_order_is_the_limit_of_low_speed_and_many_contacts() -> None:
         assert model.free is not None
         linear = replace(model, free=None, separation=model.free.held)
         first, exact = model.tick_count // 5, load_motion(linear).velocity_std
-        error = load_errors(linear, 0.8 * model.distance, from_start=False)["velocity_std"] / np.sqrt(8.0)
+        error = load_errors(linear, 0.8 * model.distance)["velocity_std"] / np.sqrt(8.0)
         runs = [recorded(model, seed, engine="batch")["load"]["velocity"][first:] for seed in range(1, 9)]
         found = np.sqrt(np.mean([np.mean(each**2) for each in runs]))
         off[v] = abs(found / exact - 1.0), 0.015 + 4.0 * error / exact

@@ -13,11 +13,12 @@ from scipy.integrate import solve_ivp
 
 import rubnoise
 from rubnoise.analysis.figures import summarise
+from rubnoise.analysis.measured import Measured
+from rubnoise.analysis.moments import forgetting
 from rubnoise.analysis.spectra import heard_bands
 from rubnoise.contact.distributions import Lognormal
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import MemoryRecord
-from rubnoise.record.tally import Tally
 from rubnoise.simulation import draws, run
 from rubnoise.simulation import linear as engine
 from rubnoise.simulation.run import simulate
@@ -118,9 +119,9 @@ LONG: dict[str, Any] = {"distance": 20_000.0, "tick": 0.1, "relative_speed": 0.5
 
 def scores(model: Model, name: str) -> dict[str, float]:
     """Return how far a run is from theory, in standard errors."""
-    tally = Tally.of(model)
-    simulate(model, seed_of(name), tally, engine="batch")
-    return {figure.name: figure.z for figure in summarise(model, tally) if figure.z is not None}
+    seen = Measured(model)
+    simulate(model, seed_of(name), seen, engine="batch")
+    return {figure.name: figure.z for figure in summarise(seen) if figure.z is not None}
 
 
 @pytest.mark.slow
@@ -196,12 +197,13 @@ def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) 
 
 def test_errors_are_what_runs_scatter_by() -> None:
     model = loaded(**LONG | {"distance": 3000.0})
-    errors, motion = load_errors(model, model.distance), load_motion(model)
+    first = forgetting(model)["load"]
+    errors, motion = load_errors(model, model.distance - first * model.tick), load_motion(model)
     runs = []
     for n in range(64):
-        tally = Tally.of(model)
-        simulate(model, seed_of(f"scatter {n}"), tally, engine="batch")
-        runs.append([tally.moments[name].std for name in ("separation", "normal_velocity", "load")])
+        seen = Measured(model)
+        simulate(model, seed_of(f"scatter {n}"), seen, engine="batch")
+        runs.append([seen.moments["load", name].std for name in ("separation", "velocity", "load")])
     scatter = np.std(np.array(runs), axis=0, ddof=1)
     known = np.array([errors["separation_std"], errors["velocity_std"], errors["load_std"]])
     # The scatter of 64 runs is itself uncertain by 1/sqrt(2 * 63) = 9 %.

@@ -12,11 +12,11 @@ import pytest
 import rubnoise
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import Comparison
+from rubnoise.analysis.measured import Measured
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, PARABOLA, Pulse, area_of
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import MemoryRecord
-from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
 from rubnoise.simulation import draws
 from rubnoise.simulation.run import simulate
@@ -197,10 +197,11 @@ def test_figure_5_over_200_mm() -> None:
         ROOT / "scenarios" / "paper" / "fig5.toml",
         overrides=('sliding.distance="200 mm"', 'output.tick="0.4 um"'),
     )
-    model, tally = scenario.model(), Tally()
-    simulate(model, seed_of("figure 5"), tally)
+    model = scenario.model()
+    seen = Measured(model)
+    simulate(model, seed_of("figure 5"), seen)
     area, motion = standard_errors(model), motion_errors(model, model.distance)
-    moments = tally.moments
+    moments = {name: found for (_, name), found in seen.moments.items()}
     found = {
         "area mean": (moments["real_contact_area"].mean, 204.6736, area["mean"]),
         "area std": (moments["real_contact_area"].std, 56.4294, area["std"]),

@@ -9,9 +9,9 @@ import pytest
 from scipy.special import stdtrit
 
 from rubnoise.analysis.figures import expected_figure, summarise
+from rubnoise.analysis.measured import Measured
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio_of_pairs
 from rubnoise.model import Model
-from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
 from rubnoise.scenario.sweep import Case, points_of
 from rubnoise.simulation.draws import Engine
@@ -130,15 +130,15 @@ def figures_of(case: Case, fields: int) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
     for point in points_of([case], fields):
         model = point.scenario.model()
-        for figure in summarise(model, _tally(model, point.seed)):
+        for figure in summarise(_summed(model, point.seed)):
             found.setdefault(figure.name, []).append(figure.value)
     return found
 
 
-def _tally(model: Model, seed: int) -> Tally:
-    tally = Tally.of(model)
-    simulate(model, seed, tally, engine="batch")
-    return tally
+def _summed(model: Model, seed: int) -> Measured:
+    seen = Measured(model)
+    simulate(model, seed, seen, engine="batch")
+    return seen
 
 
 def scores(point: dict[str, Any], found: dict[str, list[float]]) -> list[Score]:

@@ -6,18 +6,18 @@ from pathlib import Path
 
 import pytest
 
+from rubnoise.analysis.measured import Measured
 from rubnoise.errors import ScenarioRefused
-from rubnoise.record.tally import Tally
 from rubnoise.scenario import loads
 from rubnoise.scenario.sweep import Point, Sweep, load_sweep
 from rubnoise.simulation.run import simulate
 
 
-def tallied(point: Point) -> Tally:
-    """Run a point, and return its figures."""
-    tally = Tally()
-    simulate(point.scenario.model(), point.seed, tally, engine="batch")
-    return tally
+def std_of(point: Point, name: str) -> float:
+    """Run a point, and return the standard deviation of a column of its trace."""
+    seen = Measured(point.scenario.model())
+    simulate(seen.model, point.seed, seen, engine="batch")
+    return seen.moments["trace", name].std
 
 
 # Scenario texts for the tests: a whole one, and the same with lines replaced.

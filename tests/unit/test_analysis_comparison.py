@@ -97,7 +97,7 @@ def test_an_empty_start_is_compared_from_where_it_is_forgotten() -> None:
     found = compared("empty")
     assert not any(figure.name.startswith("start") for figure in found.figures)
     assert {"real_contact_area_mean", "birth_count"} <= names(found)
-    settled = moments.first_stationary_tick(RIGHT["empty"])
+    settled = moments.forgetting(RIGHT["empty"])["trace"]
     assert measured.measured_run(RIGHT["empty"], run("empty")).ticks() == RIGHT["empty"].tick_count + 1 - settled
     # The first life taken in, the run would not pass as stationary.
     taken = compare(replace(RIGHT["empty"], start="stationary"), run("empty"))

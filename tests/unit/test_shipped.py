@@ -15,7 +15,7 @@ from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Sweep, load_sweep, points_of
 from rubnoise.theory.exact import Exact
 from tests.architecture.sources import ROOT
-from tests.unit.scenarios import tallied
+from tests.unit.scenarios import std_of
 
 # The studies that come along ask what their comments say, and theory answers it.
 STUDIES = ROOT / "scenarios" / "studies"
@@ -89,7 +89,7 @@ def test_a_texture_has_the_same_area_and_less_vibration() -> None:
 
 def _pooled(study: Sweep, count: int) -> PooledEstimate:
     [case] = [case for case in study.cases if case.values[COUNT] == count]
-    return pooled(FORCE, [tallied(point).moments["friction_force"].std for point in points_of([case], 12)])
+    return pooled(FORCE, [std_of(point, "friction_force") for point in points_of([case], 12)])
 
 
 def test_the_reduction_is_found_by_simulation_with_an_interval_that_holds_it() -> None:

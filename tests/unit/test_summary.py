@@ -9,13 +9,13 @@ import pytest
 from rubnoise.analysis import findings
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.figures import summarise
-from rubnoise.analysis.moments import FEWEST_LIVES, missing_for_motion
+from rubnoise.analysis.measured import Measured
+from rubnoise.analysis.moments import FEWEST_LIVES, forgetting, needed_for_motion
 from rubnoise.answer import Row
 from rubnoise.contact.distributions import Gamma, Lognormal, Weibull
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import motion_errors
@@ -36,14 +36,14 @@ AREA = [
 MOTION = ["displacement_mean", "displacement_std", "velocity_std", "one_way_validity"]
 
 
-def _tally(run: Model, seed: int = 1) -> Tally:
-    tally = Tally()
-    simulate(run, seed, tally)
-    return tally
+def _seen(run: Model, seed: int = 1) -> Measured:
+    seen = Measured(run)
+    simulate(run, seed, seen)
+    return seen
 
 
-def _figures(run: Model, tally: Tally | None = None) -> dict[str, Row]:
-    return {each.name: each for each in summarise(run, _tally(run) if tally is None else tally)}
+def _figures(run: Model) -> dict[str, Row]:
+    return {each.name: each for each in summarise(_seen(run))}
 
 
 def test_exact_values_are_those_of_figure_5() -> None:
@@ -71,8 +71,18 @@ def _promised(run: Model) -> set[str]:
     return {name for name, each in _figures(run).items() if each.error is not None}
 
 
-def test_an_empty_start_promises_nothing() -> None:
-    assert _promised(model(start="empty", distance=1000.0)) == set()
+def test_a_short_run_from_an_empty_start_promises_nothing() -> None:
+    assert _promised(model(start="empty", distance=500.0)) == set()
+
+
+def test_the_start_is_forgotten_where_the_run_is_long_enough() -> None:
+    """Figures are those of the last part of the rows, as in a comparison, and agree with theory."""
+    run = bare(start="empty", distance=40_000.0, tick=0.5)
+    seen, record = _seen(run, seed_of("summary/empty")), recorded(run, seed_of("summary/empty"))
+    first, area, *others = forgetting(run)["trace"], *summarise(seen)
+    assert area.value == pytest.approx(record["trace"]["real_contact_area"][first:].mean(), rel=1e-12)
+    assert area.error == compare(run, record)["real_contact_area_mean"].error
+    assert all(abs(each.z) <= 4.0 for each in (area, *others) if each.z is not None)
 
 
 @pytest.mark.slow
@@ -101,12 +111,12 @@ def test_short_runs_promise_their_mean_alone() -> None:
     assert longer == {*means, *AREA[1:4]}
 
 
-# Twice the mass over the damping is 0.2 s, so that ten decay times are 20 um at 10 um/s.
+# Twice the mass over the damping is 0.2 s: at 10 um/s ten decay times are 20 um, after 14 um that forget the start.
 @pytest.mark.parametrize(
     ("changes", "promised"),
     [
-        ({"speed": 10.0, "distance": 19.0}, False),
-        ({"speed": 10.0, "distance": 21.0}, True),
+        ({"speed": 10.0, "distance": 33.0}, False),
+        ({"speed": 10.0, "distance": 35.0}, True),
         ({"distance": 500.0}, False),
         ({"speed": 10.0, "distance": 40.0, "start": "empty"}, False),
         ({"speed": 10.0, "distance": 40.0, "slider": replace(FIG5_SLIDER, damping=0.0)}, False),
@@ -121,23 +131,23 @@ def test_motion_is_promised_after_ten_decay_times(changes: dict[str, Any], *, pr
 def test_a_run_too_short_for_its_motion_says_what_it_needs() -> None:
     """Over that length theory knows the standard deviation of the motion to a tenth."""
     short = model(distance=500.0)
-    missing = missing_for_motion(short)
-    assert missing is not None
-    assert missing.decays == pytest.approx(2.5)
-    errors, exact = motion_errors(short, missing.needed), response(short)
+    needed = needed_for_motion(short)
+    assert needed is not None
+    left = needed - forgetting(short)["slider"] * short.tick
+    errors, exact = motion_errors(short, left), response(short)
     relative = errors["displacement_std"] / exact.displacement_std, errors["velocity_std"] / exact.velocity_std
     assert max(relative) == pytest.approx(0.1)
-    assert missing_for_motion(model(distance=missing.needed)) is None
+    assert needed_for_motion(model(distance=needed)) is None
 
 
 def test_a_run_agrees_with_its_theory_and_not_with_another() -> None:
     run = bare(distance=40_000.0, tick=0.5)
-    tally = _tally(run, seed_of("summary/agreement"))
-    promised = [each for each in summarise(run, tally) if each.z is not None]
+    seen = _seen(run, seed_of("summary/agreement"))
+    promised = [each for each in summarise(seen) if each.z is not None]
     assert len(promised) == 5
     assert all(abs(each.z or 0.0) <= 4.0 for each in promised)
-    other = bare(distance=40_000.0, tick=0.5, area=215.0)
-    score = _figures(other, tally)["real_contact_area_mean"].z
+    seen.model = bare(distance=40_000.0, tick=0.5, area=215.0)
+    score = next(each.z for each in summarise(seen) if each.name == "real_contact_area_mean")
     assert score is not None
     assert score < -4.0
 

@@ -20,7 +20,7 @@ from rubnoise.scenario.sweep import Point, expand
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from tests.unit import errands
-from tests.unit.scenarios import sweep_of, tallied
+from tests.unit.scenarios import std_of, sweep_of
 
 
 # Every point is run once, also if workers die, in this process and in others.
@@ -197,7 +197,7 @@ def test_replicates_are_independent_runs_of_one_theory(tmp_path: Path) -> None:
         points = [point for point in expand(sweep_of(tmp_path, table, "sliding.distance=3 mm"))
                   if point.values["interface.mean_junction_count"] == count]  # fmt: skip
         model = points[0].scenario.model()
-        found = np.array([tallied(point).moments["real_contact_area"].std for point in points])
+        found = np.array([std_of(point, "real_contact_area") for point in points])
         error = standard_errors(model)["std"] / sqrt(len(points))
         assert abs(found.mean() - area_cumulants(model).std) <= 4.0 * error
         assert found.std(ddof=1) == pytest.approx(standard_errors(model)["std"], rel=1.2)

@@ -12,7 +12,7 @@ from rubnoise.runs.sweep import AdaptiveReplicates
 from rubnoise.scenario.sweep import Point, Sweep, points_of
 from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS, Sweeping
 from tests.laws.scores import seed_of
-from tests.unit.scenarios import GRID, sweep_of, sweep_refusal, tallied
+from tests.unit.scenarios import GRID, std_of, sweep_of, sweep_refusal
 
 # A precision asks for as many replicates as it takes, in a way that only their own figures decide.
 PRECISE = Sweeping(precision=0.01, quantity="real_contact_area_std", most_replicates=1000)
@@ -83,7 +83,7 @@ def _sweep(folder: Path, precision: float = 0.02, most: int = 200) -> Sweep:
 
 
 def _figures(point: Point) -> dict[str, float]:
-    return {"real_contact_area_std": tallied(point).moments["real_contact_area"].std}
+    return {"real_contact_area_std": std_of(point, "real_contact_area")}
 
 
 def _rounds(sweep: Sweep, run: Callable[[Point], dict[str, float]] = _figures, shuffle: int = 0) -> Figures:

@@ -193,7 +193,7 @@ def test_the_error_of_the_loads_spread_is_that_of_a_gaussian_process_and_of_live
     density = motion_spectrum("load", model, omega)
     square = np.trapezoid(density**2, omega) * 2.0 / pi * (model.sliding_speed or 0.0) / distance
     gaussian = sqrt(square) / (2.0 * load_motion(model).load_std)
-    found = load_errors(model, distance, from_start=False)["load_std"]
+    found = load_errors(model, distance)["load_std"]
     assert found / gaussian - 1.0 == pytest.approx(apart, rel=0.1)
 
 

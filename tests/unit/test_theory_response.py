@@ -12,9 +12,8 @@ from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.distributions import Lognormal, Normal
 from rubnoise.contact.pulses import LENS
 from rubnoise.model import Model, Slider
-from rubnoise.theory.moments import force_cumulants
 from rubnoise.theory.motion import drive_of, motion_spectrum, response
-from rubnoise.theory.sampling import expected_mean_displacement, mean_force_error, motion_errors, standard_errors
+from rubnoise.theory.sampling import mean_force_error, motion_errors, standard_errors
 from rubnoise.theory.second_order import area_noise, autocovariance, spectral_density
 from rubnoise.theory.sizes import panels
 from tests.unit.theory_models import FIG5_SLIDER, excess, model_of, one_size, paper_model
@@ -206,20 +205,6 @@ def test_a_quarter_of_the_error_would_be_noticed(runs: Runs) -> None:
     model, _, x, _ = runs
     errors = motion_errors(model, distance(model))
     assert excess(x.std(axis=0), 0.25 * errors["displacement_std"]) > 40.0
-
-
-@pytest.mark.parametrize("damping_ratio", [0.0204, 0.9, 1.0, 7.0])
-@pytest.mark.parametrize("length", [50.0, 3000.0])
-def test_a_start_from_rest_lowers_the_mean_displacement(damping_ratio: float, length: float) -> None:
-    slider = Slider(mass=0.005, stiffness=300.0, damping=2.0 * damping_ratio * sqrt(1.5), start="rest")
-    model = one_size(slider=slider)
-    ticks = 4001
-    force = np.full((ticks, 1), force_cumulants(model).mean)
-    x, _ = ridden(slider, force, length / model.sliding_speed / (ticks - 1), 0.0, 0.0)
-    found = np.trapezoid(x[:, 0]) / (ticks - 1)
-    assert expected_mean_displacement(model, length) == pytest.approx(found, rel=1e-4)
-    at_equilibrium = replace(model, slider=replace(slider, start="equilibrium"))
-    assert expected_mean_displacement(at_equilibrium, length) == response(model).mean_displacement
 
 
 def test_paper_run_of_40_mm_spreads_by_three_and_a_half_percent() -> None:

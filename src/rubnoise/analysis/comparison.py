@@ -33,8 +33,6 @@ BANDS, FEWEST_SEGMENTS = 8, 8
 SMALLEST_ATOM: Final = 1e-3
 """Probability of no contact up to which it is but a step in the distribution that nothing is said of."""
 
-SILENT: Final = "free motion has no theory of its spreads, its shocks and its touches"
-
 _STEP_ERROR: Final = 1e-9
 """Error of a two-way motion's integrals over the largest work."""
 
@@ -87,7 +85,7 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
     found, layout = seen.spectrum.spectrum(), seen.layout
     if found.segments < FEWEST_SEGMENTS:
         ticks = found.ticks + (FEWEST_SEGMENTS - 1) * half_of(found.ticks)
-        findings.need(0.0, (layout.first["trace"] + layout.stride * ticks) * model.tick)
+        findings.need(0.0, (seen.first["trace"] + layout.stride * ticks) * model.tick)
     _, expected = expected_periodogram(model, layout.stride * model.tick, hann(found.ticks))
     # A life's energy |A^(k)|^2 goes with d^6 while a wave is longer than it, and with d^2 beyond.
     tails = {power: findings.tail_of(model, length, power) for power in (2, 6)}
@@ -129,7 +127,7 @@ def law_of_area(seen: MeasuredRun) -> Iterator[Row]:
     if in_contact:
         yield share
     # Ticks farther apart than the longest life share no junction: their areas are independent.
-    first, apart = seen.layout.first["trace"], seen.layout.apart
+    first, apart = seen.first["trace"], seen.layout.apart
     areas, counts, _ = seen.sampled[:, first // apart :]
     areas = areas[counts > 0] if in_contact else areas
     jump, rest = (0.0, 1.0 - atom) if in_contact else (atom, 1.0)
@@ -208,7 +206,7 @@ def _need_decays(seen: MeasuredRun, group: str, drive: DrivenOscillator) -> None
     """Raise Refused if a record is too short for the moments of a motion, after its start is forgotten."""
     decays = FEWEST_DECAYS * slowest_decay(drive.slider) * drive.speed
     needed = max(decays, needed_for_mean(seen.model))
-    findings.need(seen.model.distance, seen.layout.first[group] * seen.model.tick + needed)
+    findings.need(seen.model.distance, seen.first[group] * seen.model.tick + needed)
 
 
 def load(seen: MeasuredRun) -> Iterator[Row]:
@@ -280,13 +278,14 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> findings.Co
     """
     seen = measured_run(model, rows)
     if model.free is not None:
-        found = (*flight(seen, model.free), left_out("everything else", SILENT))
+        silent = "free motion has no theory of its spreads, its shocks and its touches"
+        found = (*flight(seen, model.free), left_out("everything else", silent))
         return findings.comparison({"load": found}, {"load": 0.0}, bound)
-    first, needed = seen.layout.first["trace"] * model.tick, needed_for_mean(model)
+    first, needed = seen.first["trace"] * model.tick, needed_for_mean(model)
     if seen.ticks() * model.tick < needed:
         short = f"{(model.tick_count + 1) * model.tick:.6g} um of sliding are too short for it"
         raise Refused(f"a comparison with the theory: {short}; it needs about {first + needed:.3g} um")
-    begins = {heading: seen.layout.first.get(group, 0) * model.tick for heading, (group, _) in PARTS.items()}
+    begins = {heading: seen.first.get(group, 0) * model.tick for heading, (group, _) in PARTS.items()}
     return findings.comparison(
         {heading: _found(seen, producers) for heading, (_, producers) in PARTS.items()}, begins, bound
     )

@@ -1,7 +1,7 @@
 """Every figure of a run in one list: its column and moment, its exact value, its standard error and its tail.
 
-A summary has the figures of the whole run, a comparison those of the part in which the start is forgotten. What each is
-called in words, and its unit, is in `rubnoise.figure_names`.
+A summary and a comparison have the figures of the part in which the start is forgotten. What each is called in words,
+and its unit, is in `rubnoise.figure_names`.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,40 +15,29 @@ import numpy as np
 from rubnoise.analysis import findings
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.findings import SKEWNESS, judged, tail_of
-from rubnoise.analysis.measured import MeasuredRun
-from rubnoise.analysis.moments import FEWEST_DECAYS, FEWEST_LIVES, decays_of, over_ticks
+from rubnoise.analysis.measured import Measured, MeasuredRun
+from rubnoise.analysis.moments import FEWEST_LIVES, over_ticks, settled
 from rubnoise.answer import Row
 from rubnoise.contact.births import RegularBirths
 from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model
 from rubnoise.record.rows import LandmarkKind
-from rubnoise.record.tally import RENAMED, Tally
+from rubnoise.record.tally import Moments
 from rubnoise.theory import sampling, second_order
 from rubnoise.theory.coupling import coupling, free_motion, load_motion, weak_motion, weak_motion_errors
 from rubnoise.theory.moments import Cumulants, area_cumulants, count_variance, force_cumulants
-from rubnoise.theory.motion import Response, contact_drive_of, response, strengths_of
+from rubnoise.theory.motion import Response, response, strengths_of
+
+Errors = Callable[[Model, float], dict[str, float]]
+"""Returns standard errors over a stationary record, given by a model of its own and its length in um, by moment."""
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
-    """A record of ``length`` um that figures are over, with its model; whether it ``holds_start`` of the motion."""
-
-    model: Model
-    length: float
-    holds_start: bool = False
-
-
-Errors = Callable[[Span], dict[str, float]]
-"""Returns standard errors over a span, by moment."""
-
-
-def _area_errors(span: Span) -> dict[str, float]:
+def _area_errors(record: Model, _length: float) -> dict[str, float]:
     """Return the errors of four moments; of two for births known to second order, of one for regular births.
 
     Cov[z^2, z^2] = 2 R^2 of a normal contact with the covariance R, plus the part of single junctions, times the cube
     of the dispersion if births come in bunches, as fourth cumulants of a bunch grow.
     """
-    record = span.model
     if second_order.are_at_random(record):
         return sampling.standard_errors(record)
     if isinstance(record.births, RegularBirths):
@@ -62,9 +51,8 @@ def _area_errors(span: Span) -> dict[str, float]:
     }
 
 
-def _count_errors(span: Span) -> dict[str, float]:
+def _count_errors(record: Model, _length: float) -> dict[str, float]:
     """Return the errors of mean and, for Poisson births, variance: Cov[(N - mean)^2, (N_tau - mean)^2] = C + 2 C^2."""
-    record = span.model
     if not second_order.are_at_random(record):
         return {"mean": second_order.count_noise(record).error_of_mean()}
     lags, weights = second_order.lag_rule(record)
@@ -75,11 +63,10 @@ def _count_errors(span: Span) -> dict[str, float]:
     }
 
 
-def _force_errors(span: Span) -> dict[str, float]:
+def _force_errors(record: Model, length: float) -> dict[str, float]:
     """Return the errors of mean and, for Poisson births, spread: Cov = E[psi^4] kappa_22 + 2 (E[psi^2] kappa_11)^2."""
-    record = span.model
     if record.separation is not None:
-        found = _errors(_load_errors, span)
+        found = sampling.load_errors(record, length)
         return {"mean": found["force_mean"], "std": found["force_std"]}
     if not second_order.are_at_random(record):
         return {"mean": sampling.mean_force_error(record)}
@@ -89,26 +76,15 @@ def _force_errors(span: Span) -> dict[str, float]:
     return {"mean": sampling.mean_force_error(record), "std": sqrt(square) / (2.0 * force_cumulants(record).std)}
 
 
-def _motion_errors(span: Span) -> dict[str, float]:
-    record = span.model
+def _motion_errors(record: Model, length: float) -> dict[str, float]:
     if not second_order.are_at_random(record) and not record.is_two_way:
-        return {"mean_displacement": sampling.mean_displacement_error(record, span.length)}
-    return (weak_motion_errors if record.is_two_way else sampling.motion_errors)(record, span.length)
-
-
-def _load_errors(span: Span) -> dict[str, float]:
-    return sampling.load_errors(span.model, span.length, from_start=span.holds_start)
+        return {"mean_displacement": sampling.mean_displacement_error(record, length)}
+    return (weak_motion_errors if record.is_two_way else sampling.motion_errors)(record, length)
 
 
 def motion_of(model: Model) -> Response:
     """Return the exact motion of a slider; raises Refused if theory has none."""
     return weak_motion(model) if model.is_two_way else response(model)
-
-
-def _moved_so_far(model: Model) -> float:
-    """Return the mean displacement over a whole run, which begins where the slider starts."""
-    excess = motion_of(model).mean_displacement - response(model).mean_displacement
-    return sampling.expected_mean_displacement(model, model.distance) + excess
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +93,8 @@ class Figure:
 
     ``of`` is the law's attribute and the name of the error; without it the law is the exact value itself. A law is None
     if the model has no such column. ``scale``: what the error is measured by, if it is not the exact value. ``over``:
-    what a summary divides moment, exact value and error by. ``whole``: the exact value over a whole run, if the start
-    matters to it. A figure without ``powers`` is in no comparison; ``kept``: whether it is in a summary.
+    what a summary divides moment, exact value and error by. A figure without ``powers`` is in no comparison; ``kept``:
+    whether it is in a summary.
     """
 
     name: str
@@ -129,7 +105,6 @@ class Figure:
     powers: tuple[int, int] | None = None
     scale: float | None = None
     over: Callable[[Model], float] | None = None
-    whole: Callable[[Model], float] | None = None
     kept: bool = True
 
     @property
@@ -195,17 +170,17 @@ FIGURES: Final = (
     Figure("friction_force_std", FORCE, _force, "std", _force_errors, (5, 2)),
     Figure("friction_coefficient", FORCE, _force, "mean", _force_errors, over=_load),
     # A junction pushes with psi d^3, and leaves the energy of as much motion.
-    Figure("displacement_mean", PLACE, motion_of, "mean_displacement", _motion_errors, (3, 1), whole=_moved_so_far),
+    Figure("displacement_mean", PLACE, motion_of, "mean_displacement", _motion_errors, (3, 1)),
     Figure("displacement_std", PLACE, motion_of, "displacement_std", _motion_errors, (6, 2)),
     Figure("velocity_std", SPEED, motion_of, "velocity_std", _motion_errors, (6, 2)),
     # One-way coupling takes the sliding speed for constant, so this should be far below 1.
     Figure("one_way_validity", SPEED, motion_of, "velocity_std", _motion_errors, over=_speed),
-    Figure("separation_mean", GAP, lambda _: 0.0, "", _load_errors, (3, 0), kept=False),
-    Figure("load_mean", BORNE, _load, "", _load_errors, (3, 0)),
+    Figure("separation_mean", GAP, lambda _: 0.0, "", sampling.load_errors, (3, 0), kept=False),
+    Figure("load_mean", BORNE, _load, "", sampling.load_errors, (3, 0)),
     Figure("friction_force_mean", RUBBED, _force, "mean", _force_errors, (3, 0), kept=False),
-    Figure("separation_std", GAP, load_motion, "separation_std", _load_errors, (6, 0)),
-    Figure("normal_velocity_std", RISE, load_motion, "velocity_std", _load_errors, (6, 0)),
-    Figure("load_std", BORNE, load_motion, "load_std", _load_errors, (6, 0)),
+    Figure("separation_std", GAP, load_motion, "separation_std", sampling.load_errors, (6, 0)),
+    Figure("normal_velocity_std", RISE, load_motion, "velocity_std", sampling.load_errors, (6, 0)),
+    Figure("load_std", BORNE, load_motion, "load_std", sampling.load_errors, (6, 0)),
     Figure("friction_force_std", RUBBED, _force, "std", _force_errors, (6, 0), kept=False),
 )
 """The moments of columns that a run has. Those of a two-way slider's whole time are in `_two_way_motion`."""
@@ -214,12 +189,13 @@ KEPT: Final = {figure.name: figure for figure in FIGURES if figure.kept}
 """The figures of a summary by name, in its order."""
 
 
-# A comparison.
 @lru_cache(maxsize=32)
-def _errors(errors: Errors, span: Span) -> dict[str, float]:
-    return errors(span)
+def _errors(errors: Errors, model: Model, ticks: int) -> dict[str, float]:
+    """Return the errors of a column over some ticks, by moment."""
+    return errors(over_ticks(model, max(ticks, 2), model.tick), ticks * model.tick)
 
 
+# A comparison.
 def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Row]:
     """Yield every moment of some columns that the run has, and of which theory knows the error."""
     model = seen.model
@@ -227,8 +203,7 @@ def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Row]:
         found = seen.moments.get(figure.column)
         if figure.powers is None or figure.column not in columns or found is None or not found.count:
             continue
-        span = Span(over_ticks(model, max(found.count, 2), model.tick), found.count * model.tick)
-        errors, length = _errors(figure.errors, span), span.length
+        errors, length = _errors(figure.errors, model, found.count), found.count * model.tick
         if figure.error not in errors:
             continue
         value, exact = getattr(found, figure.moment), figure.exact(model)
@@ -238,19 +213,21 @@ def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Row]:
 
 
 # A summary.
-def summarise(model: Model, tally: Tally) -> list[Row]:
+def summarise(seen: Measured) -> list[Row]:
     """Return every figure of a run with its exact value, and its standard error if it has one."""
-    theory, found = theory_of(model), {}
-    for name, figure in KEPT.items():
-        seen = tally.moments.get(RENAMED.get(figure.column, figure.column[1]))
-        if seen is not None and figure.is_of(model):
-            found[name] = (getattr(seen, figure.moment) / figure.divisor(model), theory[name][0])
-    if "displacement" in tally.moments and model.is_two_way:
-        kept = {name: both for name, both in found.items() if FIGURE_NAMES[name].needs != "slider"}
-        moved = _two_way_motion(model, tally)
-        found = kept | {name: (value, theory[name][0] if name in theory else exact) for name, (value, exact) in moved}
-    errors = {name: error for name, (_, error) in theory.items()}
-    return [findings.figure(name, value, exact, errors.get(name)) for name, (value, exact) in found.items()]
+    model, rows = seen.model, []
+    for name, (exact, error) in theory_of(model).items():
+        found = seen.moments.get(column_of(model, name), Moments())
+        if found.count:
+            value = getattr(found, KEPT[name].moment) / KEPT[name].divisor(model)
+            rows.append(findings.figure(name, value, exact, error))
+    return [*rows, *_pushed_back(seen)]
+
+
+def column_of(model: Model, name: str) -> tuple[str, str]:
+    """Return the column of a figure; under a load the force is judged with the load."""
+    column = KEPT[name].column if name in KEPT else ("", "")
+    return RUBBED if column == FORCE and model.held is not None else column
 
 
 @lru_cache(maxsize=8)
@@ -261,34 +238,27 @@ def theory_of(model: Model) -> dict[str, tuple[float | None, float | None]]:
     """
     found = {}
     for name, figure in KEPT.items():
-        value = expected_figure(model, name)
-        error = None if isnan(value) else _error_over_all(model, figure)
-        found[name] = None if isnan(value) else value, None if error is None else error / figure.divisor(model)
+        if figure.is_of(model):
+            exact = expected_figure(model, name)
+            error = None if isnan(exact) else _error(model, figure)
+            found[name] = None if isnan(exact) else exact, None if error is None else error / figure.divisor(model)
     return found
 
 
-def _error_over_all(model: Model, figure: Figure) -> float | None:
-    """Return the error of a figure over a whole run; None if it has none.
+def _error(model: Model, figure: Figure) -> float | None:
+    """Return the error of a figure over a run, from where its start is forgotten; None if it has none.
 
-    A run that starts empty has none, since its record is not stationary from the beginning, and free motion has no
-    theory of errors. Short runs, and births that are not a Poisson process, have errors of means only.
+    Short runs, and births that are not a Poisson process, have errors of means only, and free motion has no theory of
+    errors.
     """
-    if model.start != "stationary" or model.free is not None:
+    group, _ = column_of(model, figure.name)
+    first = settled(model)[group]
+    if first is None or model.free is not None:
         return None
-    moving = None
-    if figure.column[0] == "slider":
-        moving = model.slider
-    elif figure.column[0] == "load" or (figure.column == FORCE and model.separation is not None):
-        moving = contact_drive_of(model).slider
-    elif figure.moment != "mean":
-        short = model.distance < FEWEST_LIVES * model.mean_life_distance
-        if short or not second_order.are_at_random(model):
-            return None
-    if moving is not None:
-        decays = decays_of(model, moving)
-        if decays is None or decays < FEWEST_DECAYS:
-            return None
-    return _errors(figure.errors, Span(model, model.distance, holds_start=True)).get(figure.error)
+    short = model.distance - first * model.tick < FEWEST_LIVES * model.mean_life_distance
+    if group == "trace" and figure.moment != "mean" and (short or not second_order.are_at_random(model)):
+        return None
+    return _errors(figure.errors, model, model.tick_count + 1 - first).get(figure.error)
 
 
 def expected_figure(model: Model, name: str) -> float:
@@ -305,24 +275,24 @@ def expected_figure(model: Model, name: str) -> float:
         return means.get(figure.column, nan) / figure.divisor(model) if figure.moment == "mean" else nan
     if figure.column[0] == "slider" and model.is_two_way and coupling(model).unknown is not None:
         return nan
-    return (figure.whole or figure.exact)(model) / figure.divisor(model)
+    return figure.exact(model) / figure.divisor(model)
 
 
-def _two_way_motion(model: Model, tally: Tally) -> Iterator[tuple[str, tuple[float, float | None]]]:
-    """Yield the figures of a two-way slider from /balance and /landmarks, over its whole time, with exact values.
+def _pushed_back(seen: Measured) -> Iterator[Row]:
+    """Yield the figures of a two-way slider from /balance and /landmarks, over its whole time.
 
-    Spreads have an expected value if coupling is weak; the excess of the mean force and the residual of energy always
-    have one, which a correct run meets within the errors of its steps.
+    The excess of the mean force and the residual of energy have an expected value, which a correct run meets within
+    the errors of its steps.
     """
-    if not tally.last:
+    if not seen.last:
         return
-    seen, kinds = Balance.of(model, tally.last), tally.counts.get("kind", [0] * len(LandmarkKind))
-    yield "displacement_mean", (seen.displacement_mean, None)
-    yield "displacement_std", (seen.displacement_std, None)
-    yield "velocity_std", (seen.velocity_std, None)
-    yield "stick_fraction", (seen.time_stuck / seen.time, None)
-    yield "sticks_per_s", (kinds[LandmarkKind.STICK] / seen.time, None)
-    yield "reversals_per_s", (kinds[LandmarkKind.REVERSAL] / seen.time, None)
-    yield "slips_longer_than_d_per_s", (tally.slips.count / seen.time, None)
-    yield "mean_force_excess", (seen.excess_over(seen.friction_along), seen.expected_excess())
-    yield "energy_residual", (seen.energy_residual, 0.0)
+    found, kinds = Balance.of(seen.model, seen.last), seen.kinds.tolist()
+    for name, value, exact in (
+        ("stick_fraction", found.time_stuck / found.time, None),
+        ("sticks_per_s", kinds[LandmarkKind.STICK] / found.time, None),
+        ("reversals_per_s", kinds[LandmarkKind.REVERSAL] / found.time, None),
+        ("slips_longer_than_d_per_s", seen.slips.count / found.time, None),
+        ("mean_force_excess", found.excess_over(found.friction_along), found.expected_excess()),
+        ("energy_residual", found.energy_residual, 0.0),
+    ):
+        yield findings.figure(name, value, exact, None)

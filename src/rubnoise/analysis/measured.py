@@ -4,9 +4,10 @@ Every figure of a comparison reads it, and memory does not grow with the run. Mo
 which the start is forgotten (`Sampling`).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
-from math import ceil, hypot, log
+from functools import cached_property, lru_cache
+from math import ceil
 from typing import Final
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.findings import UniformSample
-from rubnoise.analysis.moments import first_stationary_tick, slowest_decay
+from rubnoise.analysis.moments import forgetting, settled
 from rubnoise.analysis.records import CovarianceSum
 from rubnoise.analysis.selection import checked_chunks
 from rubnoise.analysis.spectra import WelchSum
@@ -22,15 +23,13 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths
 from rubnoise.contact.distributions import Fixed
 from rubnoise.contact.pulses import area_of
-from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
-from rubnoise.record.rows import JunctionState
+from rubnoise.record.rows import JunctionState, LandmarkKind
 from rubnoise.record.sink import Columns
-from rubnoise.record.tally import WATCHED, Moments
-from rubnoise.theory.coupling import load_motion, weak_motion
+from rubnoise.record.tally import WATCHED, Moments, Slips
 from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.motion import contact_drive_of, drive_of, response
 from rubnoise.theory.sizes import longest_life
 
 STRETCHES: Final = 32
@@ -39,7 +38,6 @@ STRETCHES: Final = 32
 WINDOWS: Final = (0.6180339887498949, 2.618033988749895, 11.090169943749475)
 """Windows in which births are counted, in mean spacings; none keeps step with births that do."""
 
-_FORGOTTEN: Final = 1e-3
 _LAGS: Final = (0.125, 0.25, 0.5, 0.75)
 _LIVES_A_SEGMENT, _MOST_TICKS_A_LIFE, _FEWEST_TICKS = 16.0, 4096, 16
 _QUANTILES: Final = 1 << 17
@@ -47,13 +45,12 @@ _QUANTILES: Final = 1 << 17
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sampling:
-    """The first tick of figures by group, ticks ``apart`` that share no junction, and how noise is taken.
+    """How noise is taken, and how many ticks ``apart`` share no junction.
 
     Spectrum and autocovariance take every ``stride``-th tick, so that fine ticks cost no more than they are worth;
     ``segment`` and ``lags`` count those.
     """
 
-    first: dict[str, int]
     apart: int
     stride: int
     segment: int
@@ -67,46 +64,11 @@ class Sampling:
         stride = max(1, int(longest / model.tick) // _MOST_TICKS_A_LIFE)
         ticks = life / (stride * model.tick)
         return cls(
-            first={
-                "trace": first_stationary_tick(model),
-                "slider": first_moved_tick(model),
-                "load": first_still_tick(model) if model.separation is not None else 0,
-            },
             apart=int(longest / model.tick) + 2,
             stride=stride,
             segment=max(_FEWEST_TICKS, 2 ** ceil(np.log2(max(_LIVES_A_SEGMENT * ticks, 1.0)))),
             lags=tuple(sorted({max(1, round(share * ticks)) for share in _LAGS})),
         )
-
-
-def first_moved_tick(model: Model) -> int:
-    """Return the first tick at which the contact is stationary and a slider's start leaves a thousandth of its spread.
-
-    0 where theory has no motion to compare.
-    """
-    if model.slider is None or model.slider.damping == 0.0 or model.free is not None:
-        return 0
-    try:
-        drive, exact = drive_of(model), weak_motion(model) if model.is_two_way else response(model)
-    except Refused:
-        return 0
-    start = 0.0 if model.start == "empty" else model.equilibrium_displacement
-    spread = hypot(exact.displacement_std, exact.velocity_std / model.slider.natural_angular_frequency)
-    if not spread > 0.0:
-        return 0
-    decays = log((1.0 + abs(exact.mean_displacement - start) / spread) / _FORGOTTEN)
-    return first_stationary_tick(model) + int(slowest_decay(model.slider) * decays * drive.speed / model.tick)
-
-
-def first_still_tick(model: Model) -> int:
-    """Return the first tick at which the contact is stationary and the start leaves a thousandth of the load's spread.
-
-    At the start the load lacks the part of the separation: W/s_0 std z, and W after an empty start.
-    """
-    drive, motion = contact_drive_of(model), load_motion(model)
-    lacking = drive.slider.stiffness * motion.separation_std + (model.load or 0.0) * (model.start == "empty")
-    decays = log(max(lacking / motion.load_std, 1.0) / _FORGOTTEN)
-    return first_stationary_tick(model) + ceil(decays * slowest_decay(drive.slider) * drive.speed / model.tick)
 
 
 class Stretches:
@@ -221,25 +183,66 @@ class Births:
         self.last, self.count = float(birth[-1]), self.count + birth.size
 
 
-class MeasuredRun:
-    """A sink: moments of columns, the area as noise, the births, sums of lives, and deviations from exact relations.
+class Measured:
+    """A sink: moments of columns from the ``first`` tick of their groups on, the landmarks, and the last balance.
+
+    ``slips`` are those of a two-way slider that are longer than its diameter d_m, ``kinds`` the numbers of landmarks of
+    each kind.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.moments: dict[tuple[str, str], Moments] = {}
+        self.last: dict[str, float] = {}
+        self.kinds = np.zeros(len(LandmarkKind), dtype=np.int64)
+        self.slips = Slips(longer_than=model.calibrated_diameter)
+
+    @cached_property
+    def first(self) -> Mapping[str, int]:
+        """Where the start of a run is forgotten, by group; 0 in a run that is too short for that."""
+        return {group: tick or 0 for group, tick in settled(self.model).items()}
+
+    def write(self, group: str, first_row: int, columns: Columns) -> None:
+        """Add rows of a group (see Sink)."""
+        for name, powers in WATCHED.get(group, {}).items():
+            if name in columns:
+                # Under a load the force is judged with the load, from where the start is forgotten.
+                of = "load" if name == "friction_force" and self.model.held is not None else group
+                seen = self.moments.setdefault((of, name), Moments(powers=powers))
+                seen.add(columns[name][self.skipped(of, first_row, columns) :])
+        if group == "landmarks":
+            self.kinds += np.bincount(columns["kind"], minlength=len(LandmarkKind))[: len(LandmarkKind)]
+            self.slips.add(columns["kind"], columns["distance"])
+        if group == "balance":
+            self.last.update({name: float(values[-1]) for name, values in columns.items() if values.size})
+
+    def skipped(self, group: str, first_row: int, columns: Columns) -> int:
+        """Return how many of some rows come before the first tick of their group."""
+        first = self.first.get(group, 0)
+        if group == "slider":  # whose rows need not be those of ticks
+            return int(np.argmax(np.append(columns["distance"] >= first * self.model.tick, True)))
+        return max(first - first_row, 0)
+
+
+class MeasuredRun(Measured):
+    """Beside moments the area as noise, the births, sums of lives, and deviations from exact relations.
 
     ``off`` holds the largest deviation of each relation between columns, by its name; ``sums`` what the rows of
     /junctions make of area, count and force at the ticks of ``sampled``.
     """
 
     def __init__(self, model: Model) -> None:
-        self.model, self.layout, self.births = model, Sampling.of(model), Births(model)
-        self.moments: dict[tuple[str, str], Moments] = {}
+        self.layout, self.births = Sampling.of(model), Births(model)
+        super().__init__(model)
+        self.first = forgetting(model)
         self.off: dict[str, float] = {}
-        self.last: dict[str, float] = {}
         self.stretches: dict[str, Stretches] = {}
         self.zero_ticks, self.largest = 0, 0.0
         self.spectrum = WelchSum(self.layout.segment, self.layout.stride * model.tick)
         centre = area_cumulants(model).mean if model.free is None else 0.0
         self.products = CovarianceSum(np.array(self.layout.lags), centre)
         self._sampled: list[Doubles] = [np.empty((3, 0))]
-        self._first = self.layout.first["trace"] % self.layout.apart
+        self._first = self.first["trace"] % self.layout.apart
         self._ticks = model.tick * np.arange(self._first, model.tick_count + 1, self.layout.apart)
         self.sums = np.zeros((3, self._ticks.size))
 
@@ -254,28 +257,17 @@ class MeasuredRun:
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Add rows of a group (see Sink); those of /slider over a base and of /load come with the trace beside them."""
-        first = max(self.layout.first.get(group, 0) - first_row, 0)
-        if group == "slider":
-            first = int(np.argmax(np.append(columns["distance"] >= self.layout.first[group] * self.model.tick, True)))
-        for name, powers in WATCHED.get(group, {}).items():
-            # Under a load the force is judged with the load, from where the start is forgotten.
-            if name in columns and not (name == "friction_force" and self.model.held is not None):
-                self._moments(group, name, powers).add(columns[name][first:].astype(np.float64))
+        super().write(group, first_row, columns)
         if group == "junctions" and self.model.free is None:
             self.births.add(columns)
             self._sum_up(columns)
         elif group == "trace" and self.model.free is None:
-            self._add_noise(first_row, first, columns)
+            self._add_noise(first_row, self.skipped(group, first_row, columns), columns)
         elif group == "load":
-            self._bear(first_row, first, columns)
-        elif group == "balance":
-            self.last.update({name: float(values[-1]) for name, values in columns.items() if values.size})
+            self._bear(first_row, columns)
         if "base_displacement" in columns:
             lift = self.model.base_per_area * columns["real_contact_area"]
             self._relate("base_displacement", columns["base_displacement"], lift)
-
-    def _moments(self, group: str, name: str, powers: int) -> Moments:
-        return self.moments.setdefault((group, name), Moments(powers=powers))
 
     def _relate(self, name: str, values: Doubles, right: Doubles) -> None:
         self.off[name] = max(self.off.get(name, 0.0), float(np.abs(values - right).max(initial=0.0)))
@@ -283,7 +275,7 @@ class MeasuredRun:
     def _add_noise(self, first_row: int, first: int, columns: Columns) -> None:
         area, count = columns["real_contact_area"], columns["junction_count"]
         self.zero_ticks += int((count[first:] == 0).sum())
-        since = first_row + first - self.layout.first["trace"]
+        since = first_row + first - self.first["trace"]
         thinned = area[first + -since % self.layout.stride :: self.layout.stride]
         self.products.add(thinned)
         self.spectrum.add(thinned)
@@ -306,7 +298,7 @@ class MeasuredRun:
             self.sums[line] += np.bincount(tick[there], values, self._ticks.size)
         self.largest = max(self.largest, float(diameter.max(initial=0.0)))
 
-    def _bear(self, first_row: int, first: int, columns: Columns) -> None:
+    def _bear(self, first_row: int, columns: Columns) -> None:
         """Add rows of /load with the trace beside them: what the contact bears, and the force of friction."""
         held, free, load, area = self.model.held, self.model.free, columns["load"], columns["real_contact_area"]
         if held is None:
@@ -318,12 +310,9 @@ class MeasuredRun:
         elif free.restitution is not None:
             self._relate("load", load, np.clip(load, free.restitution**2 * elastic, elastic))
         self.largest = max(self.largest, float(elastic.max(initial=held.load))) if free else self.largest
-        if "friction_force" in columns:
-            self._moments("load", "friction_force", 2).add(columns["friction_force"][first:])
-            if isinstance(self.model.strengths, Fixed):
-                bearing = elastic if free else load
-                right = self.model.strengths.mean / held.hardness * bearing
-                self._relate("friction_force", columns["friction_force"], right)
+        if "friction_force" in columns and isinstance(self.model.strengths, Fixed):
+            right = self.model.strengths.mean / held.hardness * (elastic if free else load)
+            self._relate("friction_force", columns["friction_force"], right)
         length = self.model.tick_count // STRETCHES
         for name in ("load", "velocity", "separation", "real_contact_area"):
             if free and length:

@@ -1,20 +1,27 @@
 """The length that a record needs for errors of its moments, and the errors of the contact's autocovariances."""
 
-from dataclasses import dataclass, replace
-from math import ceil, inf
+from contextlib import suppress
+from dataclasses import replace
+from functools import lru_cache
+from math import ceil, hypot, inf, log
 from typing import Final
 
 import numpy as np
 
+from rubnoise.analysis.findings import LARGEST_ERROR
 from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
 from rubnoise.contact.distributions import Fixed
+from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
-from rubnoise.theory.coupling import coupling
-from rubnoise.theory.motion import response
+from rubnoise.theory.coupling import coupling, load_motion, weak_motion
+from rubnoise.theory.motion import DrivenOscillator, contact_drive_of, drive_of, response
 from rubnoise.theory.sampling import motion_errors
 from rubnoise.theory.second_order import are_at_random, autocovariance
 from rubnoise.theory.sizes import COARSE, longest_life, sizes_of
+
+_FORGOTTEN: Final = 1e-3
+"""Part of its spread that the start of a motion still adds where it counts as forgotten."""
 
 FEWEST_LIVES = 50
 FEWEST_BIRTHS = 1000
@@ -23,21 +30,64 @@ FEWEST_BIRTHS = 1000
 Shorter runs get no standard errors of higher moments either: these are of first order in life/run.
 """
 
-LARGEST_ERRORS = {"std": 0.1, "skewness": 0.2, "excess_kurtosis": 0.4}
-"""Standard errors (that of the std over the std itself) up to which an estimate counts as defended.
-
-All three are of first order in life/record: what they leave out is about their square.
-"""
-
 
 def over_ticks(model: Model, ticks: int, tick: float) -> Model:
     """Return the model of a stationary stretch of ``ticks`` ticks, ``tick`` um apart."""
     return replace(model, start="stationary", tick=tick, tick_count=ticks - 1, distance=max(ticks - 1, 1) * tick)
 
 
-def first_stationary_tick(model: Model) -> int:
-    """Return the first tick from which the contact is stationary: after a longest life if the start was empty."""
-    return 0 if model.start == "stationary" else ceil(longest_life(model) / model.tick)
+def forgetting(model: Model) -> dict[str, int]:
+    """Return the first tick of each group at which its start is forgotten, however long the run.
+
+    The contact is stationary after a longest life, if its start was empty. The start of a motion is forgotten where it
+    leaves a thousandth of its spread. At its start the load lacks the part of the separation, W/s_0 std z, and W after
+    an empty start. Where theory has no motion to compare nothing more is forgotten.
+    """
+    empty, slider = model.start == "empty", model.slider
+    found = dict.fromkeys(("trace", "slider", "load"), ceil(longest_life(model) / model.tick) if empty else 0)
+    if slider is not None and slider.damping > 0.0 and model.free is None:
+        with suppress(Refused):
+            exact = weak_motion(model) if model.is_two_way else response(model)
+            spread = hypot(exact.displacement_std, exact.velocity_std / slider.natural_angular_frequency)
+            away = abs(exact.mean_displacement - (0.0 if empty else model.equilibrium_displacement))
+            if spread > 0.0:
+                found["slider"] += _ticks_to_forget(model, drive_of(model), 1.0 + away / spread)
+    if model.separation is not None:
+        drive, motion = contact_drive_of(model), load_motion(model)
+        lacking = drive.slider.stiffness * motion.separation_std + (model.load or 0.0) * empty
+        found["load"] += _ticks_to_forget(model, drive, max(lacking / motion.load_std, 1.0))
+    return found
+
+
+def _ticks_to_forget(model: Model, drive: DrivenOscillator, spreads: float) -> int:
+    """Return the ticks in which a start that is so many spreads away decays to a thousandth of one."""
+    return ceil(log(spreads / _FORGOTTEN) * slowest_decay(drive.slider) * drive.speed / model.tick)
+
+
+@lru_cache(maxsize=8)
+def settled(model: Model) -> dict[str, int | None]:
+    """Return the first tick of each group at which its start is forgotten; None if too little of the run is left.
+
+    After an empty start 50 mean lives must be left, of a motion 10 decay times.
+    """
+    oscillators = {"slider": model.slider}
+    if model.separation is not None:
+        oscillators["load"] = contact_drive_of(model).slider
+    found: dict[str, int | None] = {}
+    for group, first in forgetting(model).items():
+        left = model.distance - first * model.tick
+        long_enough = model.start == "stationary" or left >= FEWEST_LIVES * model.mean_life_distance
+        if (slider := oscillators.get(group)) is not None:
+            decays = decays_of(model, slider, left)
+            long_enough = long_enough and decays is not None and decays >= FEWEST_DECAYS
+        found[group] = first if long_enough else None
+    return found
+
+
+def stationary_part(model: Model) -> Model:
+    """Return the model of the record that is left after an empty start; of all of a run too short to forget it."""
+    first = settled(model)["trace"]
+    return over_ticks(model, model.tick_count + 1 - first, model.tick) if first else model
 
 
 def needed_for_mean(model: Model) -> float:
@@ -46,46 +96,35 @@ def needed_for_mean(model: Model) -> float:
 
 
 FEWEST_DECAYS = 10
-"""Least decay times of the slider in a run with standard errors of its motion."""
+"""Least decay times of a motion, after its start is forgotten, in a run with standard errors of it."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MissingMotion:
-    """The length that a run lacks for standard errors of its slider's motion.
+def needed_for_motion(model: Model) -> float | None:
+    """Return the length in um that standard errors of a slider's motion need, if a run is too short for them.
 
-    It lasts ``decays`` decay times, and FEWEST_DECAYS are needed; after ``needed`` um of sliding the standard
-    deviations of displacement and velocity would be known to a tenth.
-    """
-
-    decays: float
-    needed: float
-
-
-def missing_for_motion(model: Model) -> MissingMotion | None:
-    """Return the length that a run lacks for standard errors of its slider's motion; None if it has or never has them.
-
+    Its start is forgotten then, and FEWEST_DECAYS are left, in which the standard deviations would be known to a tenth.
     It never has them without slider or damping, or from an empty start. Errors fall as one over the root of the
     distance; births that are not random have only the error of the mean, which needs only the decay times.
     """
-    decays = decays_of(model, model.slider)
-    if decays is None or decays >= FEWEST_DECAYS or model.start != "stationary":
+    decays = decays_of(model, model.slider, model.distance)
+    if decays is None or settled(model)["slider"] is not None or model.start != "stationary":
         return None
-    shortest = model.distance * FEWEST_DECAYS / decays
-    if not are_at_random(model):
-        return MissingMotion(decays=decays, needed=shortest)
-    errors, exact = motion_errors(model, shortest), response(model)
-    relative = max(errors["displacement_std"] / exact.displacement_std, errors["velocity_std"] / exact.velocity_std)
-    return MissingMotion(decays=decays, needed=max(shortest, longer(shortest, relative, LARGEST_ERRORS["std"])))
+    needed = model.distance * FEWEST_DECAYS / decays
+    if are_at_random(model):
+        errors, exact = motion_errors(model, needed), response(model)
+        relative = max(errors["displacement_std"] / exact.displacement_std, errors["velocity_std"] / exact.velocity_std)
+        needed = max(needed, longer(needed, relative, LARGEST_ERROR))
+    return forgetting(model)["slider"] * model.tick + needed
 
 
-def decays_of(model: Model, slider: Slider | None) -> float | None:
-    """Return the length of a run in the slowest decay times of an oscillator; None if nothing decays."""
+def decays_of(model: Model, slider: Slider | None, distance: float) -> float | None:
+    """Return a part of a run, in um, in the slowest decay times of an oscillator; None if nothing decays."""
     speed = model.sliding_speed
     if slider is None or speed is None or slider.damping == 0.0:
         return None
     if model.free is not None or (model.is_two_way and coupling(model).unknown is not None):
         return None
-    return model.distance / speed / slowest_decay(slider)
+    return distance / speed / slowest_decay(slider)
 
 
 def slowest_decay(slider: Slider) -> float:

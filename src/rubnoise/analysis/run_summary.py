@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import attributes_of
-from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors
+from rubnoise.analysis.measured import Measured
+from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors, stationary_part
 from rubnoise.analysis.records import CovarianceSum, HistogramSum
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, bands_of, hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
-from rubnoise.record.tally import Tally
 from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.theory.sampling import expected_periodogram
 from rubnoise.theory.second_order import are_at_random, area_noise, autocovariance, spectral_density
@@ -106,26 +106,25 @@ CURVES: Final = {"histogram": BINS, "histogram_standard_error": BINS, "spectrum"
 """The curves of a summary, and how many numbers each has; those left over are nan."""
 
 
-class SummarySink:
+class SummarySink(Measured):
     """A sink that sums up a run from its rows; its memory does not grow with the run."""
 
     def __init__(self, model: Model) -> None:
-        layout = RunLayout.of(model)
-        self._model = model
-        self._layout = layout
-        self._tally = Tally.of(model)
+        super().__init__(model)
+        self._layout = layout = RunLayout.of(stationary_part(model))
         self._histogram = HistogramSum(layout.edges, layout.batch)
         self._spectrum = WelchSum(layout.segment, layout.step)
         self._covariance = CovarianceSum(layout.lags, area_cumulants(model).mean)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Add rows of a group (see Sink)."""
-        self._tally.write(group, first_row, columns)
+        super().write(group, first_row, columns)
         if group != "trace":
             return
-        area = np.asarray(columns["real_contact_area"], dtype=np.float64)
+        area = columns["real_contact_area"][self.skipped(group, first_row, columns) :]
         self._histogram.add(area)
-        thinned = area[-first_row % self._layout.stride :: self._layout.stride]
+        since = max(first_row - self.first[group], 0)
+        thinned = area[-since % self._layout.stride :: self._layout.stride]
         self._spectrum.add(thinned)
         self._covariance.add(thinned)
 
@@ -141,7 +140,7 @@ class SummarySink:
             "spectrum": self._layout.banded(self._spectrum.spectrum().density),
             "autocovariance": self._covariance.covariances(),
         }
-        figures = attributes_of(summarise(self._model, self._tally))
+        figures = attributes_of(summarise(self))
         return {**figures, **{name: _filled_up(values, CURVES[name]) for name, values in curves.items()}}
 
 
@@ -160,8 +159,9 @@ def curve_theory(model: Model) -> dict[str, Doubles]:
     """Return place, expected values and standard errors of the curves of a model's runs; nan if theory gives none.
 
     Places are in um^2, rad/um and um. The histogram's errors come from each run, since theory has none. There are no
-    expected values for a run that starts empty.
+    expected values for a run that starts empty, and is too short to forget that.
     """
+    model = stationary_part(model)
     layout, found = RunLayout.of(model), dict[str, Doubles]()
     wavenumbers = np.asarray(2.0 * np.pi * np.fft.rfftfreq(layout.segment, layout.step), dtype=np.float64)
     places = {

@@ -207,9 +207,9 @@ def _first_row(file: Reader, model: Model, group: str) -> int:
     """Return the first row at which the start is no longer heard; raises Refused if no row is left."""
     if group != "load" or model.separation is None:
         return 0
-    from rubnoise.analysis.measured import first_still_tick
+    from rubnoise.analysis.moments import forgetting
 
-    first = first_still_tick(model)
+    first = forgetting(model)["load"]
     if first + 1 >= file.rows(group):
         raise Refused(
             f"the run is too short: the first {first * model.tick:g} um are the transient of the normal motion, which"

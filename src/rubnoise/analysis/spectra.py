@@ -10,6 +10,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from rubnoise.analysis.moments import settled
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -225,7 +226,7 @@ def _energies(
 
 
 MOST_ROWS: Final = 1 << 22
-"""Rows of /load that are looked at, from the first on: more would make a look at a long run slow."""
+"""Rows of /load that are looked at, from where the start is forgotten: more would make a look at a long run slow."""
 
 _SEGMENTS: Final = 16
 _MOST_TICKS: Final = 1 << 17
@@ -256,12 +257,13 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
     """
     if "load" not in rows.columns or model.tick_duration is None:
         raise Refused("the normal motion is that under a load that weighs ([load])")
-    count = min(rows.rows("load"), MOST_ROWS)
+    first = settled(model)["load"] or 0
+    count = min(rows.rows("load") - first, MOST_ROWS)
     ticks = min(2 * (count // (_SEGMENTS + 1)), _MOST_TICKS)
     if ticks < 4 * _FEWEST_BINS:
         raise Refused(f"{count} ticks are too few for third octaves")
     total, moments = WelchSum(ticks, model.tick_duration), Moments(powers=2)
-    for velocity in column_chunks(rows, "load", "velocity", 0, count):
+    for velocity in column_chunks(rows, "load", "velocity", first, first + count):
         total.add(velocity)
         moments.add(velocity)
     spectrum = total.spectrum()

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from math import inf, isnan, nan
 from typing import Final
 
-from rubnoise.analysis.moments import missing_for_motion, one_way_warnings
+from rubnoise.analysis.moments import needed_for_motion, one_way_warnings
 from rubnoise.answer import Answer, Row, length, rows
 from rubnoise.cli.vocabulary import NOTES, fields_of, named
 from rubnoise.model import Model
@@ -80,9 +80,8 @@ def _slider(model: Model, theory: Exact) -> Iterator[Row]:
         return
     yield from named("slider", fields_of(model.slider, "natural_frequency damping_ratio"))
     yield from motion_rows(theory)
-    missing = missing_for_motion(model)
     cells = None if model.is_two_way else cells_per_tick(model)
-    yield from named("slider", {"cells_per_tick": cells, "needed_distance": missing and missing.needed})
+    yield from named("slider", {"cells_per_tick": cells, "needed_distance": needed_for_motion(model)})
 
 
 def motion_rows(theory: Exact) -> Iterator[Row]:
@@ -146,11 +145,8 @@ def _notes(scenario: Scenario, theory: Exact) -> list[str]:
 
 def too_short_for_motion(model: Model) -> list[str]:
     """Return that a run is too short for standard errors of its slider's motion, if it is, and what it needs."""
-    missing = missing_for_motion(model)
-    if missing is None:
-        return []
-    lasts = f"it lasts {missing.decays:.2g} of its decay times; it needs about {length(missing.needed)}"
-    return [f"the run is too short for standard errors of the slider's motion: {lasts}"]
+    needed, short = needed_for_motion(model), "the run is too short for standard errors of the slider's motion"
+    return [] if needed is None else [f"{short}; it needs about {length(needed)}"]
 
 
 # What a load that weighs does.

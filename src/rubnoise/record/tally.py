@@ -1,16 +1,14 @@
-"""Running moments of the columns of a run, computed from its chunks."""
+"""Running moments of the columns of a run, and its slips, computed from its chunks."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf, nan, sqrt
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import slices
-from rubnoise.model import Model
 from rubnoise.record.rows import LandmarkKind
-from rubnoise.record.sink import Columns
 
 WATCHED = {
     "trace": {"real_contact_area": 4, "junction_count": 2, "friction_force": 2},
@@ -18,9 +16,6 @@ WATCHED = {
     "load": {"separation": 2, "velocity": 2, "load": 2},
 }
 """Which columns are tallied, by group, and to which power."""
-
-RENAMED = {("load", "velocity"): "normal_velocity"}
-"""Names of tallied columns beside those of other groups."""
 
 
 @dataclass(slots=True)
@@ -108,37 +103,3 @@ class Slips:
         begins = np.where(last >= 0, path[last], self._begin)
         self.count += int(np.count_nonzero((path - begins)[kind == LandmarkKind.STICK] > self.longer_than))
         self._begin, self._path, self._place = float(begins[-1]), float(path[-1]), float(distance[-1])
-
-
-@dataclass(frozen=True, slots=True)
-class Tally:
-    """A sink that keeps a few numbers by the names of columns: moments, counts of each kind of landmark, last values.
-
-    Slips of a two-way slider are counted, too.
-    """
-
-    moments: dict[str, Moments] = field(default_factory=dict)
-    counts: dict[str, list[int]] = field(default_factory=dict)
-    last: dict[str, float] = field(default_factory=dict)
-    slips: Slips = field(default_factory=Slips)
-
-    @classmethod
-    def of(cls, model: Model) -> Self:
-        """Return an empty tally for the runs of a model, which counts slips longer than its diameter d_m."""
-        return cls(slips=Slips(longer_than=model.calibrated_diameter))
-
-    def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Add rows of a group (see Sink)."""
-        del first_row
-        for name, powers in WATCHED.get(group, {}).items():
-            if name in columns:
-                seen = self.moments.setdefault(RENAMED.get((group, name), name), Moments(powers=powers))
-                seen.add(columns[name])
-        if group == "landmarks":
-            kind = columns["kind"]
-            counts = self.counts.setdefault("kind", [0] * len(LandmarkKind))
-            for number in LandmarkKind:
-                counts[number] += int(np.count_nonzero(kind == number))
-            self.slips.add(kind, columns["distance"])
-        if group == "balance":
-            self.last.update({name: float(values[-1]) for name, values in columns.items() if values.size})

@@ -10,10 +10,10 @@ from typing import cast
 
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import attributes_of
+from rubnoise.analysis.measured import Measured
 from rubnoise.arrays import slices
 from rubnoise.record.reader import Attributes, MemoryRecord
 from rubnoise.record.sink import Extent, Sink, Tee
-from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.draws import Engine, extent
 from rubnoise.simulation.intervention import Intervention, name_of
@@ -52,10 +52,9 @@ class KeptRun(MemoryRecord):
     @property
     def summary(self) -> Attributes:
         """What was measured beside what is exact, as a file keeps it."""
-        model = self.scenario.model()
-        tally = Tally.of(model)
-        self.play_into(tally)
-        return {**attributes_of(summarise(model, tally))}
+        seen = Measured(self.scenario.model())
+        self.play_into(seen)
+        return {**attributes_of(summarise(seen))}
 
     def play_into(self, sink: Sink) -> None:
         """Write all rows to a sink, some at a time."""
@@ -112,12 +111,11 @@ def play(
     ``watch`` is called after each range of ticks, and now and then while a file is compressed; ``observe`` and
     ``intervene`` are those of `rubnoise.run`.
     """
-    model = scenario.model()
-    tally = Tally.of(model)
+    seen = Measured(scenario.model())
     end = simulate(
-        model,
+        seen.model,
         scenario.run.seed,
-        Tee((writer, tally)),
+        Tee((writer, seen)),
         engine=cast(Engine, scenario.run.engine),
         observe=observe,
         intervene=intervene,
@@ -126,9 +124,9 @@ def play(
 
     def between() -> None:
         if watch is not None:
-            watch(model.distance, end.junctions, len(end.live))
+            watch(seen.model.distance, end.junctions, len(end.live))
 
-    figures: dict[str, float | int | str] = {**attributes_of(summarise(model, tally))}
+    figures: dict[str, float | int | str] = {**attributes_of(summarise(seen))}
     between()  # theory may take seconds, in which someone may have asked to stop
     writer.publish(figures, between=between)
     return figures

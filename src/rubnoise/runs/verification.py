@@ -14,15 +14,16 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.figures import summarise
+from rubnoise.analysis.figures import KEPT, column_of, summarise
 from rubnoise.analysis.findings import attributes_of
+from rubnoise.analysis.measured import Measured
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
 from rubnoise.record.reader import Reader, Rows, column_chunks
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Columns, Extent, Tee
-from rubnoise.record.tally import Moments, Tally
+from rubnoise.record.tally import Moments
 from rubnoise.runs.making import describe
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
@@ -216,11 +217,11 @@ def _check_description(structure: Check, attributes: Check, scenario: Scenario, 
 
 def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verification:
     """Return the verification with a check of each group, and of the summary if rows are right."""
-    compared, tally = _Compared(run), Tally.of(scenario.model())
-    compared.play(scenario, run, tally)
+    compared, seen = _Compared(run), Measured(scenario.model())
+    compared.play(scenario, run, seen)
     groups = [*compared.checks.values()]
     if all(check.holds for check in groups):
-        summary = _summary_check(scenario, tally, run.summary)
+        summary = _summary_check(seen, run.summary)
         return verification([*checks, *groups, summary])
     there, here = str(run.provenance["environment"]), json.dumps(environment())
     return verification(
@@ -256,7 +257,7 @@ class _Compared:
     def _count(self, group: str, expected: object) -> None:
         self.checks[group].say(f"/{group} rows", found=self._rows.rows(group), expected=expected)
 
-    def play(self, scenario: Scenario, run: Reader, tally: Tally) -> None:
+    def play(self, scenario: Scenario, run: Reader, seen: Measured) -> None:
         """Compare the table of a life, and the run, played again up to the first row that its file does not have.
 
         If an intervention ended lives, births come from the seed and these ends from the file.
@@ -268,7 +269,7 @@ class _Compared:
         try:
             scenario.check_size()
             with suppress(_BeyondFile):
-                simulate(model, scenario.run.seed, Tee((self, tally)), engine="batch", ended=ended)
+                simulate(model, scenario.run.seed, Tee((self, seen)), engine="batch", ended=ended)
                 for group, written in self._written.items():
                     self._count(group, written)
         except (RubnoiseError, ArithmeticError) as problem:
@@ -292,13 +293,13 @@ def ended_of(rows: Rows) -> Ended:
     return ended
 
 
-def _summary_check(scenario: Scenario, tally: Tally, stored: Mapping[str, object]) -> Check:
+def _summary_check(seen: Measured, stored: Mapping[str, object]) -> Check:
     """Compare the summary with every figure of the rows, and of the theory of the scenario."""
     check, right, allowed = Check("summary"), dict[str, float](), dict[str, float]()
-    for figure in summarise(scenario.model(), tally):
+    for figure in summarise(seen):
         for name, value in attributes_of([figure]).items():
             right[name] = value
-            allowed[name] = _allowed(figure, tally) if name == figure.name else EXACT * abs(value)
+            allowed[name] = _allowed(figure, seen) if name == figure.name else EXACT * abs(value)
     for name in dict.fromkeys([*right, *stored]):
         found, expected = stored.get(name, "missing"), right.get(name, "no figure of this run")
         same = isinstance(found, float) and isinstance(expected, float) and _near(found, expected, allowed[name])
@@ -310,9 +311,10 @@ def _near(found: float, expected: float, allowed: float) -> bool:
     return found == expected or abs(found - expected) <= allowed or (isnan(found) and isnan(expected))
 
 
-def _allowed(figure: Row, tally: Tally) -> float:
+def _allowed(figure: Row, measured: Measured) -> float:
     """Return the allowed deviation of a measured figure; the shape of a column that is constant to rounding is free."""
-    seen = next((seen for name, seen in tally.moments.items() if figure.name.startswith(name)), Moments())
+    seen = measured.moments.get(column_of(measured.model, figure.name), Moments())
     if figure.name.endswith(("_skewness", "_kurtosis")):
         return MEASURED * max(abs(figure.value), 1.0) if seen.std > _CONSTANT * abs(seen.mean) else inf
-    return MEASURED * (abs(figure.value) + seen.std + 1e-3 * abs(seen.mean))
+    divisor = KEPT[figure.name].divisor(measured.model) if figure.name in KEPT else 1.0
+    return MEASURED * (abs(figure.value) + (seen.std + 1e-3 * abs(seen.mean)) / divisor)

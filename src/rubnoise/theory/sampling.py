@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import combinations_with_replacement, product
-from math import factorial, hypot, inf, pi, sqrt
+from math import factorial, hypot, inf, pi
 from numbers import Integral
 
 import numpy as np
@@ -82,20 +83,6 @@ def _exponential(series: Doubles) -> Doubles:
     return found
 
 
-def expected_mean_displacement(model: Model, distance: float) -> float:
-    """Return the expected mean of x in um over a run of ``distance`` um, from the slider's start."""
-    from scipy.linalg import expm
-
-    drive, still = motion.drive_of(model), motion.response(model).mean_displacement
-    slider, duration = drive.slider, distance / drive.speed
-    if slider.start == "equilibrium":
-        return still
-    # From rest the mean decay of -x_e is missing, (c (y(0) - y(T)) - m y'(T)) / (k T), x_e being the mean.
-    decay = np.array([[0.0, 1.0], [-slider.stiffness / slider.mass, -slider.damping / slider.mass]])
-    y, velocity = expm(decay * duration)[:, 0].tolist()
-    return still * (1.0 - (slider.damping * (1.0 - y) - slider.mass * velocity) / (slider.stiffness * duration))
-
-
 def mean_displacement_error(model: Model, distance: float) -> float:
     """Return an upper bound in um of the standard error of the mean of x over ``distance`` um, exact for long runs."""
     # k mean x = mean F - (m dv + c dx)/T, d the changes over the run; over a base y, k mean y + (c dy - m dv - c dx)/T.
@@ -126,34 +113,25 @@ def motion_errors(model: Model, distance: float) -> dict[str, float]:
     return dict(zip(names, errors, strict=True))
 
 
-def load_errors(model: Model, distance: float, *, from_start: bool = True) -> dict[str, float]:
-    """Return standard errors of the motion under a load over a run of ``distance`` um, in um, um/s and uN.
+@lru_cache(maxsize=8)
+def load_errors(model: Model, distance: float) -> dict[str, float]:
+    """Return standard errors of the motion under a load over ``distance`` um, in um, um/s and uN.
 
-    Of stds as `spread_errors`; of the mean of P (m dz' + c dz)/T. A run ``from_start`` z = z' = 0 has the squares of a
-    decay less in z' and P - W, as uncertain as they are large: for Gaussian z and z' at most sqrt(3) times as much.
+    Of stds as `spread_errors`; of the mean of P (m dz' + c dz)/T, of stationary motion.
     """
     names = ("separation", "normal_velocity", "load", *((motion.FORCE,) if model.strengths else ()))
     place, velocity, load, *force = motion.spread_errors(model, names, distance)
-    std, fast, varying = (motion.std_of(model, name) for name in names[:3])
-    drive, psi = motion.contact_drive_of(model), model.strengths
-    slider, slid, noise = drive.slider, drive.speed / distance, second_order.area_noise(model)
+    std, fast = (motion.std_of(model, name) for name in names[:2])
+    drive, noise = motion.contact_drive_of(model), second_order.area_noise(model)
     mean_load = _carried_momentum(drive, std, fast, distance)
-    # Of the free decay of a stationary separation int z'^2 dt = e/c, e = (m z'_0^2 + K z_0^2)/2, and
-    # K int z^2 dt = c z_0^2/2 + m z_0 z'_0 + m e/c.
-    energy = 0.5 * (slider.mass * fast**2 + slider.stiffness * std**2)
-    decay = (0.5 * slider.damping * std**2 + slider.mass / slider.damping * energy) * slider.stiffness
-    faster, more = (sqrt(3.0) * each * slid * from_start for each in (energy / slider.damping, decay))
     errors = {
-        "separation_mean": (drive.gain * noise.error_of_mean(distance) + mean_load) / slider.stiffness,
+        "separation_mean": (drive.gain * noise.error_of_mean(distance) + mean_load) / drive.slider.stiffness,
         "separation_std": place,
-        "velocity_std": hypot(velocity, faster / (2.0 * fast)),
+        "velocity_std": velocity,
         "load_mean": mean_load,
-        "load_std": hypot(load, more / (2.0 * varying)),
+        "load_std": load,
     }
-    if psi is not None:
-        part = (psi.mean / drive.gain) ** 2 * more / (2.0 * motion.std_of(model, motion.FORCE))
-        errors |= {"force_mean": mean_force_error(model, distance), "force_std": hypot(force[0], part)}
-    return errors
+    return errors | ({"force_mean": mean_force_error(model, distance), "force_std": force[0]} if force else {})
 
 
 def cross_spectrum(covariance: Doubles, window: Doubles, shift: int) -> Complexes:
