@@ -10,9 +10,8 @@ from rubnoise.contact.pulses import pulse_of
 from rubnoise.model import Model
 from rubnoise.scenario.document import AREAS, COUNTS, LIVE_JUNCTIONS, SECTIONS, Diameter, Document, Strength
 from rubnoise.scenario.fields import Measure, keys_of
-from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, model_of, spread_of
-from rubnoise.scenario.text import Path, Problem
+from rubnoise.scenario.text import Layers, Path, Problem
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")

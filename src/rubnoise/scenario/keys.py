@@ -10,10 +10,10 @@ from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import OFF_CENTRE
 from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Document, Interface, Sliding, presence
 from rubnoise.scenario.fields import Key, did_you_mean, keys_of
-from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES, Layers
+from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES
 from rubnoise.scenario.scenario import CONTACT, RAYLEIGH, completed
 from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
-from rubnoise.scenario.text import Path, Problem, toml_value
+from rubnoise.scenario.text import Layers, Path, Problem, toml_value
 from rubnoise.units import LENGTH, RATIO, Quantity, Unfit
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
@@ -53,20 +53,6 @@ INSTEAD: Final = {name: entry.with_spread for name, entry in LAWS.items()} | {ON
 """The law to advise in place of one that takes no spread."""
 
 
-def format_problems(layers: Layers) -> list[Problem]:
-    """Return the problems of the format number of each file; a base file has its own."""
-    problems = []
-    for source in layers.sources:
-        version = source.data.get("format")
-        if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT:
-            message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
-            problems.append(layers.problem(("format",), message, place=source.value_place(("format",))))
-        elif version is None and source.kind == "file" and not layers.problems:
-            hint = "the first line of the file: format = 1"
-            problems.append(layers.problem(("format",), "missing", hint, place=source.key_place(())))
-    return problems
-
-
 def read(layers: Layers) -> tuple[Document, set[str], list[Problem]]:
     """Return the document, the tables of it that are wrong, and the problems of all keys, alone and in combination.
 
@@ -74,7 +60,7 @@ def read(layers: Layers) -> tuple[Document, set[str], list[Problem]]:
     of any.
     """
     layers = completed(layers)
-    paths = [problem.path for problem in layers.problems]
+    paths = [problem.path for problem in layers.problems if problem.path != ("format",)]
     broken = {str(name) for path in paths for name in (path[:1] if len(path) > 1 else SECTIONS)}
     unsound = [each for each in _unsound_problems(layers) if each.path[0] not in broken]
     problems = [*unsound, *(each for each in _rule_problems(layers) if each.path[0] not in broken)]
@@ -116,7 +102,7 @@ def values_of(
         about = known.get(key)
         if about is None or (value is None and about.default is None and not about.is_needed):
             continue
-        from_python = layers.source_of((*table, key)).kind == "values"
+        from_python = layers.origin((*table, key)).kind == "values"
         try:
             values[key] = about.kind.of_python(value) if from_python else about.kind.read(value)
         except Unfit as unfit:

@@ -2,8 +2,8 @@
 
 import os
 import tomllib
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import reduce
 from pathlib import Path as FilePath
 from typing import Any, Final, Self
@@ -12,8 +12,19 @@ import numpy as np
 
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.regular_file import NotRegular, read_at_most
+from rubnoise.scenario.document import FORMAT
 from rubnoise.scenario.shipped import shipped, shipped_names
-from rubnoise.scenario.text import FILE_BYTES, LINE_CHARACTERS, Path, Place, Places, Problem, Source, read_toml
+from rubnoise.scenario.text import (
+    FILE_BYTES,
+    LINE_CHARACTERS,
+    Layers,
+    Origin,
+    Path,
+    Place,
+    Problem,
+    paths_of,
+    read_toml,
+)
 from rubnoise.units import is_of_pint
 
 EXTENDS_DEPTH: Final = 8
@@ -44,56 +55,6 @@ EITHER: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
 """Other ways to say what a key says: a layer that has the key takes them out of the layers below."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Layers:
-    """Sources from the most basic to the topmost, their merged data, and the problems found while merging.
-
-    ``main`` is the requested source.
-    """
-
-    main: Source
-    sources: tuple[Source, ...]
-    data: dict[str, Any]
-    problems: tuple[Problem, ...] = ()
-
-    def table(self, name: str) -> dict[str, Any]:
-        """Return a table; an empty one if there is none, or if the key has another value."""
-        table = self.data.get(name)
-        return table if isinstance(table, dict) else {}
-
-    def source_of(self, path: Path) -> Source:
-        """Return the topmost source with a key, or with the nearest table above it."""
-        for known in (path[:n] for n in range(len(path), 0, -1)):
-            for source in reversed(self.sources):
-                if gives(source.data, known):
-                    return source
-        return self.main
-
-    def value_place(self, path: Path) -> Place:
-        """Return the place of the value that counts for a key."""
-        return self.source_of(path).value_place(path)
-
-    def key_place(self, path: Path) -> Place:
-        """Return the place where the key that counts is named."""
-        return self.source_of(path).key_place(path)
-
-    def problem(self, path: Path, message: str, hint: str = "", *, place: Place | None = None) -> Problem:
-        """Return what is wrong with a key, shown at its value if no other place is given."""
-        return Problem(path=path, message=message, place=place or self.value_place(path), hint=hint)
-
-    def topped(self, source: Source) -> "Layers":
-        """Return these layers with another one on top."""
-        return replace(self, sources=(*self.sources, source), data=_laid(self.data, source.data))
-
-    def on(self, tables: Mapping[str, Any]) -> "Layers":
-        """Return these layers on top of tables, which fill in what they do not give."""
-        return replace(self, data=_laid(tables, self.data))
-
-    def without(self, *paths: Path) -> "Layers":
-        """Return these layers without some keys or tables."""
-        return replace(self, data=_without(self.data, paths))
-
-
 def from_file(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Layers:
     """Return the layers of a scenario file: the files that it extends, itself, the overrides."""
     return _layered(*_chain(FilePath(path), os.path.normpath(path)), overrides)
@@ -112,22 +73,67 @@ def from_values(name: str, *values: Mapping[str, Any]) -> Layers:
     In all but the first one None takes a key away, and a quantity needs a unit, as in a setting.
     """
     nowhere = Place(source=name, line=0, text="", start=0, end=0)
-    places: Places = {(): (nowhere, nowhere)}
-    first, *others = (Source(name=name, kind="values", data=plain(each), places=places) for each in values)
-    sources = (first, *(replace(each, kind="setting") for each in others))
-    return Layers(main=first, sources=sources, data=reduce(_laid, (dict(each.data) for each in sources)))
-
-
-def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[str]) -> Layers:
-    # In a report the requested file comes first, then what it extends, then the settings.
-    sources = (*files, *(_setting(text, len(files) + n) for n, text in enumerate(overrides)))
-    merged: dict[str, Any] = reduce(_laid, (source.data for source in sources), {})
-    return Layers(
-        main=files[-1],
-        sources=sources,
-        data={key: value for key, value in merged.items() if key != "extends"},
-        problems=(*problems, *(problem for source in sources for problem in source.problems)),
+    first, *others = (
+        Layers(
+            name=name,
+            data=plain(each),
+            origins=dict.fromkeys(((), *paths_of(each)), Origin(nowhere, nowhere, "setting" if n else "values")),
+        )
+        for n, each in enumerate(values)
     )
+    return _stacked([first, *others], first, [])
+
+
+def _layered(files: list[Layers], problems: list[Problem], overrides: Sequence[str]) -> Layers:
+    # In a report the requested file comes first, then what it extends, then the settings.
+    settings = [_setting(text, len(files) + n) for n, text in enumerate(overrides)]
+    return _stacked([*files, *settings], files[-1], problems)
+
+
+def _stacked(sources: list[Layers], main: Layers, problems: list[Problem]) -> Layers:
+    """Return sources laid over each other, the most basic first, with the name and the text of the requested one."""
+    broken = [*problems, *(problem for source in sources for problem in source.problems)]
+    merged = reduce(laid, sources)
+    return replace(
+        without(merged, ("extends",)),
+        name=main.name,
+        text=main.text,
+        problems=(*broken, *_format_problems(sources, known=not broken)),
+    )
+
+
+def _format_problems(sources: list[Layers], *, known: bool) -> Iterator[Problem]:
+    """Yield the problems of the format number of each source; a base file has its own."""
+    for source in sources:
+        version = source.data.get("format")
+        if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT:
+            message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
+            yield source.problem(("format",), message)
+        elif version is None and source.files and known:
+            hint = "the first line of the file: format = 1"
+            yield source.problem(("format",), "missing", hint, place=source.key_place(()))
+
+
+def laid(below: Layers, above: Layers) -> Layers:
+    """Return layers with another one on top, without what this one says in another way."""
+    origins = {path: origin._replace(layer=below.depth) for path, origin in above.origins.items()}
+    return replace(
+        below,
+        data=_laid(below.data, above.data),
+        origins={**below.origins, **origins},
+        files=(*below.files, *above.files),
+        depth=below.depth + 1,
+    )
+
+
+def filled(layers: Layers, tables: Mapping[str, Any]) -> Layers:
+    """Return layers on top of tables, which fill in what they do not give."""
+    return replace(layers, data=_laid(tables, layers.data))
+
+
+def without(layers: Layers, *paths: Path) -> Layers:
+    """Return layers without some keys or tables."""
+    return replace(layers, data=_without(layers.data, paths))
 
 
 class OptionOverride(str):
@@ -143,28 +149,28 @@ class OptionOverride(str):
         return self
 
 
-def _setting(text: str, rank: int) -> Source:
+def _setting(text: str, rank: int) -> Layers:
     """Return the key of one `--set KEY=VALUE`, whose value is TOML if possible, otherwise a text."""
     key, _, value = text.partition("=")
     path = tuple(part.strip() for part in key.split("."))
     name = text.option if isinstance(text, OptionOverride) else f"--set {key.strip()}"
     shown, end = (f"{name} {value}", len(name)) if isinstance(text, OptionOverride) else (text, len(key))
     place = Place(source=name, line=0, text=shown, start=0, end=end, rank=rank)
-    both = place, replace(place, start=min(end + 1, len(shown)), end=len(shown))
-    problems = tuple(Problem(path=(), message=each, place=place) for each in _wrong_setting(text, path))
-    data: Any = {} if problems else override_value(value)
-    for part in () if problems else reversed(path):
+    if wrong := _wrong_setting(text, path):
+        return Layers(name=name, data={}, origins={}, problems=(Problem(path=(), message=wrong, place=place),))
+    data: Any = override_value(value)
+    for part in reversed(path):
         data = {part: data}
-    places: Places = {path[:parts]: both for parts in range(len(path) + 1)}
-    return Source(name=name, kind="setting", data=data, places=places, text=text, problems=problems)
+    origin = Origin(place, replace(place, start=min(end + 1, len(shown)), end=len(shown)), "setting")
+    return Layers(name=name, data=data, origins=dict.fromkeys(paths_of(data), origin))
 
 
-def _wrong_setting(text: str, path: tuple[str, ...]) -> list[str]:
+def _wrong_setting(text: str, path: tuple[str, ...]) -> str:
     if len(text) > LINE_CHARACTERS:
-        return [f"more than {LINE_CHARACTERS} characters"]
+        return f"more than {LINE_CHARACTERS} characters"
     if "=" not in text or not all(path) or len(path) > _MOST_PARTS:
-        return ["not of the form KEY=VALUE, as in --set run.seed=7"]
-    return ["extends belongs into a file"] if path[0] == "extends" else []
+        return "not of the form KEY=VALUE, as in --set run.seed=7"
+    return "extends belongs into a file" if path[0] == "extends" else ""
 
 
 def override_value(value: str) -> Any:
@@ -176,7 +182,7 @@ def override_value(value: str) -> Any:
     return data["value"] if data.keys() == {"value"} else value
 
 
-def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
+def _chain(path: FilePath, name: str) -> tuple[list[Layers], list[Problem]]:
     """Return a file's sources, the most basic first, and the problems of how they extend one another."""
     sources, seen = [read_toml(name, _text_of_file(path, name))], [os.path.realpath(path)]
     while isinstance(base := sources[0].data.get("extends"), str):
@@ -196,8 +202,8 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
     return sources, _not_extended(sources[0], "needs the name of a file") if "extends" in sources[0].data else []
 
 
-def _not_extended(source: Source, message: str) -> list[Problem]:
-    return [Problem(path=("extends",), message=message, place=source.value_place(("extends",)))]
+def _not_extended(source: Layers, message: str) -> list[Problem]:
+    return [source.problem(("extends",), message)]
 
 
 def _text_of_file(path: FilePath, name: str) -> str:
@@ -252,12 +258,3 @@ def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any
         inside = there if isinstance(there, Mapping) else {}
         found[key] = _merged(inside, value) if isinstance(value, Mapping) else value
     return {key: value for key, value in found.items() if value is not None}
-
-
-def gives(data: Any, path: Path) -> bool:
-    """Whether tables hold a key."""
-    for part in path:
-        if not isinstance(data, dict) or part not in data:
-            return False
-        data = data[part]
-    return True

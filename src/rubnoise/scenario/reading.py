@@ -16,10 +16,9 @@ from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
 from rubnoise.scenario.document import SECTIONS, TOP, Document
 from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
-from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.scenario import Scenario, sized
 from rubnoise.scenario.sweep_keys import SWEEP
-from rubnoise.scenario.text import Problem, in_order, report
+from rubnoise.scenario.text import Layers, Problem, in_order, report
 from rubnoise.units import Quantity, Unfit
 
 ReadSizes = Callable[[str, str | None], Sequence[float]]
@@ -136,14 +135,15 @@ def checked(given: Layers, read: ReadSizes | None = None) -> Scenario:
 def examined(given: Layers, read: ReadSizes | None = None) -> tuple[Scenario | None, list[Problem]]:
     """Return the scenario of its layers, or None, and all errors and warnings."""
     given = sized(given)
-    formats = keys.format_problems(given)
-    if any(problem.message != "missing" for problem in formats):
-        return None, [*given.problems, *formats]  # the other keys may well be right in that format
+    if any(
+        problem.path == ("format",) and problem.message.startswith("needs a rubnoise") for problem in given.problems
+    ):
+        return None, list(given.problems)  # the other keys may well be right in that format
     given, unread = with_values(given, read)
     document, wrong, problems = keys.read(given)
     wrong |= {_TABLE} if unread else set()
     model, tick, more = modelled(document, given, wrong)
-    problems = [*given.problems, *formats, *unread, *problems, *more]
+    problems = [*given.problems, *unread, *problems, *more]
     refused = wrong or any(each.severity == "error" and not each.forbids_run for each in problems)
     if model is None or tick is None or refused:
         return None, problems
@@ -156,22 +156,22 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, p
     if slider is not None and slider.coupling == "two-way" and slider.cells is None:
         values["slider"] = replace(slider, cells=CELLS)
     values["output"] = replace(document.output, tick=tick)
-    table, files = given.table(_TABLE), [source.name for source in given.sources if source.kind == "file"]
+    table = given.table(_TABLE)
     return Scenario(
         **values,
-        name=given.main.name,
-        text=given.main.text,
+        name=given.name,
+        text=given.text,
         warnings=tuple(str(each) for each in in_order(problems) if each.severity == "warning"),
         too_large="\n".join(str(each) for each in in_order(problems) if each.forbids_run),
         physics=model,
         given=given.data,
-        files=(*files, str(_size_file(given, table))) if "file" in table else tuple(files),
+        files=(*given.files, str(_size_file(given, table))) if "file" in table else given.files,
     )
 
 
 def _size_file(given: Layers, table: Mapping[str, Any]) -> FilePath:
     """Return the path of the file of diameters, given relative to the scenario file that names it."""
-    return FilePath(given.source_of((_TABLE, "file")).name).parent / table["file"]
+    return FilePath(given.value_place((_TABLE, "file")).source).parent / table["file"]
 
 
 def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:

@@ -17,7 +17,8 @@ from rubnoise.errors import ScenarioRefused
 from rubnoise.model import CELLS, FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.scenario.fields import Section, keys_of, ratio_of
-from rubnoise.scenario.layers import Layers, gives
+from rubnoise.scenario.layers import filled, without
+from rubnoise.scenario.text import Layers
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import LENGTH, RATIO, Quantity
 
@@ -310,15 +311,15 @@ def sized(layers: Layers) -> Layers:
     """
     mean, count, patch = ("diameter", "mean"), ("interface", "mean_junction_count"), ("interface", "patch_area")
     keys = [("interface", key) for key in ("mean_real_contact_area", "load", "hardness", "patch_area")]
-    areas = [path for path in keys if gives(layers.data, path)]
-    counted = gives(layers.data, count) or patch in areas
-    if not (areas and counted and gives(layers.data, mean)):
+    areas = [path for path in keys if path[1] in layers.table("interface")]
+    counted = count[1] in layers.table("interface") or patch in areas
+    if not (areas and counted and "mean" in layers.table("diameter")):
         return layers
-    said, *ranks = (layers.sources.index(layers.source_of(path)) for path in (mean, *areas))
+    said, *ranks = (layers.origin(path).layer for path in (mean, *areas))
     if said == max(ranks):
         return layers
     other = (count, patch) if "load" in layers.data else (*areas, ("interface", "calibration"))
-    return layers.without(mean) if said < max(ranks) else layers.without(*other)
+    return without(layers, mean) if said < max(ranks) else without(layers, *other)
 
 
 def completed(layers: Layers) -> Layers:
@@ -326,8 +327,8 @@ def completed(layers: Layers) -> Layers:
     if not isinstance(layers.data.get("load"), dict):
         return layers
     law, contact = CONTACT["diameter"]["law"], dict(CONTACT)
-    if gives(layers.data, ("diameter", "mean")):
+    if "mean" in layers.table("diameter"):
         del contact["interface"]
     if layers.table("diameter").get("law", law) != law:
         del contact["diameter"]
-    return layers.on(contact)
+    return filled(layers, contact)

@@ -17,12 +17,12 @@ from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import layers
 from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import keys_of
-from rubnoise.scenario.layers import Layers
+from rubnoise.scenario.keys import ZIP
 from rubnoise.scenario.reading import ReadSizes, examined, load
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep_keys import SWEEP, Keep, Sweeping
-from rubnoise.scenario.sweep_table import Table, read_table
-from rubnoise.scenario.text import Path, Place, Problem, Source, in_order, report
+from rubnoise.scenario.sweep_table import choices, read_table
+from rubnoise.scenario.text import Layers, Problem, in_order, report
 from rubnoise.tables import fields_as_text
 
 _ID_DIGITS = 16
@@ -177,23 +177,6 @@ _ENGINE_OF_SWEEPS = "batch"
 """Many runs are made by the faster engine if the file names none; it gives the same bits."""
 
 
-def point_source(given: Layers, table: Table, indices: tuple[int, ...]) -> tuple[dict[str, Any], Source]:
-    """Return the swept values of a point by their dotted keys, and as a source to lay on top of the file.
-
-    Each value is shown where its list is.
-    """
-    data: dict[str, Any] = {}
-    values = {}
-    places: dict[Path, tuple[Place, Place]] = {(): (given.key_place(()), given.value_place(()))}
-    for axis, index in zip(table.axes, indices, strict=True):
-        values[axis.key] = axis.values[index]
-        data.setdefault(str(axis.path[0]), {})[axis.path[1]] = axis.values[index]
-        places[axis.path] = given.key_place(axis.swept_path), given.value_place(axis.swept_path)
-    for name in data:
-        places[name,] = given.key_place((name,)), given.value_place((name,))
-    return values, Source(name=given.main.name, kind="setting", data=data, places=places)
-
-
 def expand(sweep: Sweep) -> tuple[Point, ...]:
     """Return every run of a sweep: its points in the order written, the replicates of each one after another.
 
@@ -233,15 +216,20 @@ def load_either(
 def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
     if SWEEP not in given.data:
         ways = "rubnoise run makes this one run, and in Python grid={...} makes it many"
-        alone = f"{given.main.name}: no sweep: it has no table [sweep]; {ways}"
+        alone = f"{given.name}: no sweep: it has no table [sweep]; {ways}"
         raise ScenarioRefused(report(given.problems) or alone)
-    table, wrong = read_table(given)
-    given = given.on({"run": {"engine": _ENGINE_OF_SWEEPS}})
-    settings, read = table.settings, read and cache(read)  # a file is read once, not at every point
+    settings, axes, wrong = read_table(given)
+    given = layers.filled(given, {"run": {"engine": _ENGINE_OF_SWEEPS}})
+    one, read = layers.without(given, (SWEEP,)), read and cache(read)  # a file is read once, not at every point
+    # Each value is shown where its list is.
+    origins = {axis.path: given.origin(axis.swept_path) for axis in axes}
     points: list[Examined] = []
-    for indices in islice(table.choices(), _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None):
-        values, source = point_source(given, table, indices)
-        points.append((values, *examined(given.topped(source).without((SWEEP,)), read)))
+    for values in islice(choices(axes), _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None):
+        data: dict[str, Any] = {}
+        for axis, value in zip(axes, values, strict=True):
+            data.setdefault(str(axis.path[0]), {})[axis.path[1]] = value
+        point = layers.laid(one, Layers(name=given.name, data=data, origins=origins))
+        points.append(({axis.key: value for axis, value in zip(axes, values, strict=True)}, *examined(point, read)))
     # What is missing may be meant by a key of the sweep that is not right yet.
     found = [problem for problem in gathered(points) if not (wrong and problem.is_missing)]
     problems = [*given.problems, *wrong, *found]
@@ -251,11 +239,11 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
     if any(problem.severity == "error" for problem in problems):
         raise ScenarioRefused(report(problems))
     return Sweep(
-        name=given.main.name,
-        text=given.main.text,
+        name=given.name,
+        text=given.text,
         title=cases[0].scenario.title,
-        keys=tuple(axis.key for axis in table.axes),
-        side_by_side=tuple(axis.key for axis in table.side_by_side),
+        keys=tuple(axis.key for axis in axes),
+        side_by_side=tuple(axis.key for axis in axes if axis.table == ZIP),
         cases=tuple(cases),
         replicates=settings.replicates,
         keep=settings.keep,

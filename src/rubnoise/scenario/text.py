@@ -8,10 +8,9 @@ import json
 import re
 import tomllib
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, NamedTuple
 
 Path = tuple[str | int, ...]
 _SHOWN_CHARACTERS = 100
@@ -96,6 +95,53 @@ def _width(text: str) -> int:
     return sum(2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text if not unicodedata.combining(c))
 
 
+class Origin(NamedTuple):
+    """Where a key and its value stand, what gave it, and in which layer, counted from the most basic one."""
+
+    key: Place
+    value: Place
+    kind: Literal["file", "setting", "values"]
+    layer: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layers:
+    """Keys with their origins, of one source or of several that were laid over each other, and what is wrong with them.
+
+    ``name`` and ``text`` are those of the requested source, ``files`` the files that were read; the origin of ``()`` is
+    that of any key which is nowhere named.
+    """
+
+    name: str
+    data: dict[str, Any]
+    origins: Mapping[Path, Origin]
+    text: str = ""
+    files: tuple[str, ...] = ()
+    problems: tuple[Problem, ...] = ()
+    depth: int = 1
+
+    def table(self, name: str) -> dict[str, Any]:
+        """Return a table; an empty one if there is none, or if the key has another value."""
+        table = self.data.get(name)
+        return table if isinstance(table, dict) else {}
+
+    def origin(self, path: Path) -> Origin:
+        """Return the origin of a key, or of the nearest table above it."""
+        return next(self.origins[path[:end]] for end in range(len(path), -1, -1) if path[:end] in self.origins)
+
+    def value_place(self, path: Path) -> Place:
+        """Return the place of the value that counts for a key, or of the nearest key or header above it."""
+        return self.origin(path).value
+
+    def key_place(self, path: Path) -> Place:
+        """Return the place where the key that counts is named."""
+        return self.origins[path].key if path in self.origins else self.value_place(path)
+
+    def problem(self, path: Path, message: str, hint: str = "", *, place: Place | None = None) -> Problem:
+        """Return what is wrong with a key, shown at its value if no other place is given."""
+        return Problem(path=path, message=message, place=place or self.value_place(path), hint=hint)
+
+
 FILE_BYTES: Final = 64 * 1024
 LINE_CHARACTERS: Final = 1000
 SYNTAX_ERRORS: Final = 20
@@ -121,140 +167,108 @@ _SLIPS: Final = {
 _UNCLOSED: Final = ("Illegal character '\\n'", "Unterminated string", 'Expected "\'"')
 _TWICE: Final = ("Cannot overwrite a value", "Duplicate inline table key", "Cannot declare", "Cannot mutate immutable")
 
-Places = Mapping[Path, tuple[Place, Place]]
+_On = Callable[[int, int, int], Place]
+_Named = list[tuple[Path, Place, Place]]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Source:
-    """Keys that were given together: in a file, by a setting, or as values of Python; and what is wrong with them.
-
-    ``places`` has the place of each key and that of its value, under ``()`` those of any other key.
-    """
-
-    name: str
-    kind: Literal["file", "setting", "values"]
-    data: Mapping[str, Any]
-    places: Places
-    text: str = ""
-    problems: tuple[Problem, ...] = ()
-
-    def value_place(self, path: Path) -> Place:
-        """Return the place of a key's value, or of the nearest key or header above it."""
-        known = next(path[:end] for end in range(len(path), -1, -1) if path[:end] in self.places)
-        return self.places[known][1]
-
-    def key_place(self, path: Path) -> Place:
-        """Return the place where a key is first named."""
-        return self.places[path][0] if path in self.places else self.value_place(path)
-
-
-def read_toml(name: str, text: str, rank: int = 0) -> Source:
+def read_toml(name: str, text: str, rank: int = 0) -> Layers:
     """Return the keys of a TOML text, without its broken lines; ``rank`` is its place in a report."""
-    lines = _Lines(name, text, rank)
-    data, problems = lines.parsed()
-    return Source(name=name, kind="file", text=text, data=data, places=lines.places, problems=problems)
+    lines = text.replace("\r\n", "\n").split("\n")
 
-
-@dataclass(frozen=True)
-class _Lines:
-    """The lines of a text, and what is where in them."""
-
-    name: str
-    text: str
-    rank: int
-
-    @cached_property
-    def lines(self) -> list[str]:
-        return self.text.replace("\r\n", "\n").split("\n")
-
-    def on(self, line: int, start: int, end: int) -> Place:
+    def on(line: int, start: int, end: int) -> Place:
         """Return a place on a line, which is counted from 1; 0 is the whole text."""
-        text = self.lines[line - 1] if line else ""
-        start, end = min(start, len(text)), min(end, len(text))
-        return Place(source=self.name, line=line, text=text, start=start, end=end, rank=self.rank)
+        shown = lines[line - 1] if line else ""
+        start, end = min(start, len(shown)), min(end, len(shown))
+        return Place(source=name, line=line, text=shown, start=start, end=end, rank=rank)
 
-    def parsed(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
-        """Return the data of all lines but those that break the text, and these."""
-        if refused := tuple(self._refused()):
-            return {}, refused
-        lines, found = list(self.lines), list[Problem]()
-        while len(found) < SYNTAX_ERRORS:
-            try:
-                return tomllib.loads("\n".join(lines)), tuple(found)
-            except tomllib.TOMLDecodeError as error:
-                problem = self._broken(str(error), lines)
-            except RecursionError:
-                return {}, (*found, Problem(path=(), message="nested too deeply", place=self.on(1, 0, 1)))
-            found.append(problem)
-            line = lines[problem.place.line - 1].strip()
-            # Without its header the keys of a table would be blamed for being in the wrong one.
-            if not line or line.startswith("["):
-                break
-            lines[problem.place.line - 1] = ""
-        return {}, tuple(found)
+    refused = [Problem(path=(), message=message, place=on(line, 0, 1)) for line, message in _refused(text, lines)]
+    named = [] if refused else list(_named(lines, on))
+    data, problems = ({}, refused) if refused else _parsed(lines, named, on)
+    origins: dict[Path, Origin] = {(): Origin(on(1, 0, 1), on(1, 0, 1), "file")}
+    for path, key, value in named:
+        for end in range(1, len(path) + 1):
+            origins.setdefault(path[:end], Origin(key, value, "file"))
+    for path in paths_of(data):  # the keys of a table in braces stand where it does
+        origins.setdefault(path, origins[path[:-1]]._replace(key=origins[path[:-1]].value))
+    return Layers(name=name, data=data, origins=origins, text=text, files=(name,), problems=tuple(problems))
 
-    def _refused(self) -> Iterator[Problem]:
-        """Yield why a text is not read at all: half a surrogate pair, which no file can hold, or too much of it."""
-        if any("\ud800" <= character <= "\udfff" for character in self.text):
-            yield Problem(path=(), message="not UTF-8 text", place=self.on(0, 0, 0))
-        elif len(self.text.encode()) > FILE_BYTES:
-            yield Problem(path=(), message=f"larger than {FILE_BYTES // 1024} kB", place=self.on(0, 0, 0))
-        else:
-            long = [number for number, line in enumerate(self.lines, 1) if len(line) > LINE_CHARACTERS]
-            message = f"a line of more than {LINE_CHARACTERS} characters"
-            yield from (Problem(path=(), message=message, place=self.on(n, 0, 1)) for n in long[:SYNTAX_ERRORS])
 
-    def _broken(self, error: str, lines: list[str]) -> Problem:
-        """Return what is wrong with the line that breaks the text, from what tomllib says."""
-        at = _PLACE.fullmatch(error)
-        last = max((number for number, line in enumerate(lines, 1) if line.strip()), default=1)
-        line, column = (int(at["line"] or last), int(at["column"] or 1)) if at else (last, 1)
-        line, why = min(line, last), at["why"] if at else error
-        path = next((path for path, key, _ in reversed(self._named) if key.line <= line), ())
-        text = lines[line - 1]
-        if why.startswith(_TWICE):
-            first = self.places[path][0].line
-            hint = f"first given in line {first}; keep one of the two" if first < line else "keep one"
-            place = self.on(line, len(text) - len(text.lstrip()), len(text.partition("=")[0].rstrip()))
-            return Problem(path=path, message="given twice", place=place, hint=hint)
-        for message, slip in _SLIPS.items():
-            if found := slip.search(text):
-                number, unit = ".".join(filter(None, (found["a"], found["b"]))), found["c"]
-                written = f'"{f"{number} {unit}".strip()}"' if unit else number
-                place = self.on(line, *found.span("all"))
-                return Problem(path=path, message=message, place=place, hint=f"write {written}")
-        hint = "is the closing quotation mark missing?" if why.startswith(_UNCLOSED) else ""
-        message = f"not valid TOML: {why[:1].lower()}{why[1:]}"
-        return Problem(path=path, message=message, place=self.on(line, column - 1, column), hint=hint)
+def paths_of(data: Mapping[str, Any], above: Path = ()) -> Iterator[Path]:
+    """Yield the path of every table and key, tables before their keys."""
+    for key, value in data.items():
+        yield (*above, key)
+        if isinstance(value, Mapping):
+            yield from paths_of(value, (*above, key))
 
-    @cached_property
-    def places(self) -> Places:
-        """The places of each key and each part of a dotted one, where it is first named."""
-        found: dict[Path, tuple[Place, Place]] = {(): (self.on(1, 0, 1), self.on(1, 0, 1))}
-        for path, key, value in self._named:
-            for end in range(1, len(path) + 1):
-                found.setdefault(path[:end], (key, value))
-        return found
 
-    @cached_property
-    def _named(self) -> list[tuple[Path, Place, Place]]:
-        """What each header and each setting names, and the places of key and value."""
-        found: list[tuple[Path, Place, Place]] = []
-        table: Path = ()
-        for number, line in enumerate(self.lines, 1):
-            if seen := _HEADER.match(line):
-                table = _parts(seen["key"])
-                place = self.on(number, *seen.span("key"))
-                found.append((table, place, place))
-            elif seen := _SETTING.match(line):
-                start, value = seen.start("value"), seen["value"].rstrip()
-                key = self.on(number, *seen.span("key"))
-                found.append(((*table, *_parts(seen["key"])), key, self.on(number, start, start + len(value))))
-        return found
+def _refused(text: str, lines: list[str]) -> list[tuple[int, str]]:
+    """Return why a text is not read at all, by lines: half a surrogate pair, which no file can hold, or too much."""
+    if any("\ud800" <= character <= "\udfff" for character in text):
+        return [(0, "not UTF-8 text")]
+    if len(text.encode()) > FILE_BYTES:
+        return [(0, f"larger than {FILE_BYTES // 1024} kB")]
+    long = [number for number, line in enumerate(lines, 1) if len(line) > LINE_CHARACTERS]
+    return [(number, f"a line of more than {LINE_CHARACTERS} characters") for number in long[:SYNTAX_ERRORS]]
+
+
+def _named(lines: list[str], on: _On) -> Iterator[tuple[Path, Place, Place]]:
+    """Yield what each header and each setting names, and the places of key and value."""
+    table: Path = ()
+    for number, line in enumerate(lines, 1):
+        if seen := _HEADER.match(line):
+            table = _parts(seen["key"])
+            place = on(number, *seen.span("key"))
+            yield table, place, place
+        elif seen := _SETTING.match(line):
+            start, value = seen.start("value"), seen["value"].rstrip()
+            key = on(number, *seen.span("key"))
+            yield (*table, *_parts(seen["key"])), key, on(number, start, start + len(value))
 
 
 def _parts(dotted: str) -> Path:
     return tuple(part.strip("\"'") for part in re.findall(_NAME, dotted))
+
+
+def _parsed(all_lines: list[str], named: _Named, on: _On) -> tuple[dict[str, Any], list[Problem]]:
+    """Return the data of all lines but those that break the text, and these."""
+    lines, found = list(all_lines), list[Problem]()
+    while len(found) < SYNTAX_ERRORS:
+        try:
+            return tomllib.loads("\n".join(lines)), found
+        except tomllib.TOMLDecodeError as error:
+            problem = _broken(str(error), lines, named, on)
+        except RecursionError:
+            return {}, [*found, Problem(path=(), message="nested too deeply", place=on(1, 0, 1))]
+        found.append(problem)
+        line = lines[problem.place.line - 1].strip()
+        # Without its header the keys of a table would be blamed for being in the wrong one.
+        if not line or line.startswith("["):
+            break
+        lines[problem.place.line - 1] = ""
+    return {}, found
+
+
+def _broken(error: str, lines: list[str], named: _Named, on: _On) -> Problem:
+    """Return what is wrong with the line that breaks the text, from what tomllib says."""
+    at = _PLACE.fullmatch(error)
+    last = max((number for number, line in enumerate(lines, 1) if line.strip()), default=1)
+    line, column = (int(at["line"] or last), int(at["column"] or 1)) if at else (last, 1)
+    line, why = min(line, last), at["why"] if at else error
+    path = next((path for path, key, _ in reversed(named) if key.line <= line), ())
+    text = lines[line - 1]
+    if why.startswith(_TWICE):
+        first = next(key.line for other, key, _ in named if other[: len(path)] == path)
+        hint = f"first given in line {first}; keep one of the two" if first < line else "keep one"
+        place = on(line, len(text) - len(text.lstrip()), len(text.partition("=")[0].rstrip()))
+        return Problem(path=path, message="given twice", place=place, hint=hint)
+    for message, slip in _SLIPS.items():
+        if found := slip.search(text):
+            number, unit = ".".join(filter(None, (found["a"], found["b"]))), found["c"]
+            written = f'"{f"{number} {unit}".strip()}"' if unit else number
+            return Problem(path=path, message=message, place=on(line, *found.span("all")), hint=f"write {written}")
+    hint = "is the closing quotation mark missing?" if why.startswith(_UNCLOSED) else ""
+    message = f"not valid TOML: {why[:1].lower()}{why[1:]}"
+    return Problem(path=path, message=message, place=on(line, column - 1, column), hint=hint)
 
 
 def text_of(scenario: Mapping[str, Any]) -> str:

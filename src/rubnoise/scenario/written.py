@@ -26,7 +26,7 @@ from rubnoise.scenario.keys import GRID
 from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
-from rubnoise.scenario.sweep_table import known_keys
+from rubnoise.scenario.sweep_table import SWEPT
 from rubnoise.scenario.text import text_of, toml_value
 from rubnoise.units import NUMBER
 
@@ -164,7 +164,7 @@ def _schema(kind: Field) -> dict[str, Any]:
 def _sweep_table() -> dict[str, Any]:
     """Return the table [sweep]; grid and zip have a list of values for every key of a scenario."""
     tables: dict[str, dict[str, Any]] = {name: {} for name in SECTIONS}
-    for name, key in (known.split(".") for known in known_keys()):
+    for name, key in (known.split(".") for known in SWEPT):
         items = {"$ref": f"#/$defs/{SECTIONS[name].__name__}/properties/{key}"}
         tables[name][key] = {"type": "array", "minItems": 1, "items": items}
     lists = _object_with({name: _object_with(keys) for name, keys in tables.items()})
