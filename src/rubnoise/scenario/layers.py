@@ -2,7 +2,7 @@
 
 import os
 import tomllib
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from pathlib import Path as FilePath
@@ -24,6 +24,7 @@ from rubnoise.scenario.text import (
     Problem,
     paths_of,
     read_toml,
+    report,
 )
 from rubnoise.units import is_of_pint
 
@@ -91,27 +92,21 @@ def _layered(files: list[Layers], problems: list[Problem], overrides: Sequence[s
 
 
 def _stacked(sources: list[Layers], main: Layers, problems: list[Problem]) -> Layers:
-    """Return sources laid over each other, the most basic first, with the name and the text of the requested one."""
-    broken = [*problems, *(problem for source in sources for problem in source.problems)]
-    merged = reduce(laid, sources)
-    return replace(
-        without(merged, ("extends",)),
-        name=main.name,
-        text=main.text,
-        problems=(*broken, *_format_problems(sources, known=not broken)),
-    )
+    """Return sources laid over each other, the most basic first, with the name and the text of the requested one.
 
-
-def _format_problems(sources: list[Layers], *, known: bool) -> Iterator[Problem]:
-    """Yield the problems of the format number of each source; a base file has its own."""
-    for source in sources:
-        version = source.data.get("format")
-        if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT:
+    Each file has a format. Raises ScenarioRefused for a newer one, in which the other keys may well be right.
+    """
+    problems = [*problems, *(problem for source in sources for problem in source.problems)]
+    versions = [(source, source.data.get("format")) for source in sources]
+    for source, version in versions:
+        if isinstance(version, int) and version > FORMAT:
             message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
-            yield source.problem(("format",), message)
-        elif version is None and source.files and known:
-            hint = "the first line of the file: format = 1"
-            yield source.problem(("format",), "missing", hint, place=source.key_place(()))
+            raise ScenarioRefused(report([*problems, source.problem(("format",), message)]))
+    missing = [source for source, version in versions if version is None and source.files and not problems]
+    hint = "the first line of the file: format = 1"
+    problems += [source.problem(("format",), "missing", hint, place=source.key_place(())) for source in missing]
+    merged = without(reduce(laid, sources), ("extends",))
+    return replace(merged, name=main.name, text=main.text, problems=tuple(problems))
 
 
 def laid(below: Layers, above: Layers) -> Layers:

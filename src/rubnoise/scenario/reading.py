@@ -11,21 +11,23 @@ from typing import Any
 import numpy as np
 
 from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
-from rubnoise.model import CELLS, Model
+from rubnoise.model import CELLS
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
-from rubnoise.scenario.document import SECTIONS, TOP, Document
+from rubnoise.scenario.document import SECTIONS, TOP
 from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
 from rubnoise.scenario.scenario import Scenario, sized
 from rubnoise.scenario.sweep_keys import SWEEP
 from rubnoise.scenario.text import Layers, Problem, in_order, report
-from rubnoise.units import Quantity, Unfit
+from rubnoise.units import Unfit
 
 ReadSizes = Callable[[str, str | None], Sequence[float]]
 """What returns the diameters (um) of a file and of a column in it; it raises Refused, NoColumn for the column."""
 
 _TABLE = "diameter"
-_STANDS_IN = (1.0,)  # for values that could not be read: what else is wrong with the scenario is still said
+_STANDS_IN: Sequence[float] = (
+    1.0,
+)  # for values that could not be read: what else is wrong with the scenario is still said
 
 
 def hash_of(values: Sequence[float]) -> str:
@@ -33,58 +35,51 @@ def hash_of(values: Sequence[float]) -> str:
     return sha256(np.array(values, dtype="<f8").tobytes()).hexdigest()
 
 
-def with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Problem]]:
+def _with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Problem]]:
     """Return layers with the values of a file of diameters and their hash, and the problems of these.
 
     If a result has the values, they must have the hash, and the file is not read again.
     """
     table = given.table(_TABLE)
-    if table.keys().isdisjoint(("file", "column", "hash")):
+    named = [key for key in ("column", "hash", "file") if key in table]
+    if not named:
         return given, []
     if "file" not in table:
-        key = "column" if "column" in table else "hash"
-        return given, [given.problem((_TABLE, key), f"a {key} needs a file", 'file = "sizes.csv"')]
-    if "values" in table:
-        return given, _unlike(given, table)
-    values, problems = _sizes_of_file(given, table, read)
-    filled = {"hash": hash_of(values), **table, "values": list(values)}
-    return replace(given, data={**given.data, _TABLE: filled}), problems
-
-
-def _sizes_of_file(
-    given: Layers, table: Mapping[str, Any], read: ReadSizes | None
-) -> tuple[Sequence[float], list[Problem]]:
-    """Return the values of a file, given relative to the scenario file that names it; or the reason of a refusal."""
-    if not all(isinstance(table.get(key, ""), str) for key in ("file", "column", "hash")):
-        return _STANDS_IN, []  # said where these keys are read
+        return given, [given.problem((_TABLE, named[0]), f"a {named[0]} needs a file", 'file = "sizes.csv"')]
+    if "values" in table and "hash" not in table:
+        return given, [
+            given.problem((_TABLE, "values"), "both values and file are given", "keep exactly one of the two")
+        ]
+    values, problems = _STANDS_IN, list[Problem]()
     try:
-        values = (read or _refuse)(str(_size_file(given, table)), table.get("column"))
+        if "values" in table:
+            values = Sizes("diameters").read(table["values"])
+        elif all(isinstance(table[key], str) for key in named):
+            values = (read or _refuse)(str(_size_file(given, table)), table.get("column"))
+        else:
+            named = []
+    except Unfit:
+        return given, []  # said where the values are read
     except Refused as refused:
-        key = "column" if isinstance(refused, NoColumn) else "file"
-        return _STANDS_IN, [given.problem((_TABLE, key), str(refused))]
+        problems = [given.problem((_TABLE, "column" if isinstance(refused, NoColumn) else "file"), str(refused))]
     found = hash_of(values)
-    if table.get("hash", found) == found:
-        return values, []
-    message = f'the file changed: "{table["file"]}" has {found}, not {table["hash"]}'
-    hint = "bring the file back, or take the hash away to use the file as it is"
-    return _STANDS_IN, [given.problem((_TABLE, "hash"), message, hint)]
+    if "hash" in named and table["hash"] != found and not problems:
+        message, hint = (
+            f'the file changed: "{table["file"]}" has',
+            "bring the file back, or take the hash away to use the file as it is",
+        )
+        if "values" in table:
+            message, hint = (
+                "the values beside it have",
+                "take the values away to read the file, or the file to use the values",
+            )
+        problems = [given.problem((_TABLE, "hash"), f"{message} {found}, not {table['hash']}", hint)]
+    filled = {"hash": found, **table, "values": list(values)}
+    return replace(given, data={**given.data, _TABLE: filled}), problems
 
 
 def _refuse(path: str, _column: str | None) -> Sequence[float]:
     raise Refused(f"{path}: is read by rubnoise.load, rubnoise.build and commands alone; here values are needed")
-
-
-def _unlike(given: Layers, table: Mapping[str, Any]) -> list[Problem]:
-    if "hash" not in table:
-        return [given.problem((_TABLE, "values"), "both values and file are given", "keep exactly one of the two")]
-    try:
-        found = hash_of(Sizes("diameters").read(table["values"]))
-    except Unfit:
-        return []  # said where the values are read
-    if table["hash"] == found:
-        return []
-    hint = "take the values away to read the file, or the file to use the values"
-    return [given.problem((_TABLE, "hash"), f"the values beside it have {found}, not {table['hash']}", hint)]
 
 
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), read: ReadSizes | None = None) -> Scenario:
@@ -134,12 +129,7 @@ def checked(given: Layers, read: ReadSizes | None = None) -> Scenario:
 
 def examined(given: Layers, read: ReadSizes | None = None) -> tuple[Scenario | None, list[Problem]]:
     """Return the scenario of its layers, or None, and all errors and warnings."""
-    given = sized(given)
-    if any(
-        problem.path == ("format",) and problem.message.startswith("needs a rubnoise") for problem in given.problems
-    ):
-        return None, list(given.problems)  # the other keys may well be right in that format
-    given, unread = with_values(given, read)
+    given, unread = _with_values(sized(given), read)
     document, wrong, problems = keys.read(given)
     wrong |= {_TABLE} if unread else set()
     model, tick, more = modelled(document, given, wrong)
@@ -147,26 +137,23 @@ def examined(given: Layers, read: ReadSizes | None = None) -> tuple[Scenario | N
     refused = wrong or any(each.severity == "error" and not each.forbids_run for each in problems)
     if model is None or tick is None or refused:
         return None, problems
-    return _scenario(given, document, model, tick, problems), problems
-
-
-def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, problems: list[Problem]) -> Scenario:
-    """Return the scenario of a document that is right, with the defaults that follow from other keys."""
+    # Defaults that follow from other keys are filled in.
     slider, values = document.slider, {each.name: getattr(document, each.name) for each in fields(document)}
     if slider is not None and slider.coupling == "two-way" and slider.cells is None:
         values["slider"] = replace(slider, cells=CELLS)
     values["output"] = replace(document.output, tick=tick)
-    table = given.table(_TABLE)
-    return Scenario(
+    sizes, shown = given.table(_TABLE), in_order(problems)
+    scenario = Scenario(
         **values,
         name=given.name,
         text=given.text,
-        warnings=tuple(str(each) for each in in_order(problems) if each.severity == "warning"),
-        too_large="\n".join(str(each) for each in in_order(problems) if each.forbids_run),
+        warnings=tuple(str(each) for each in shown if each.severity == "warning"),
+        too_large="\n".join(str(each) for each in shown if each.forbids_run),
         physics=model,
         given=given.data,
-        files=(*given.files, str(_size_file(given, table))) if "file" in table else given.files,
+        files=(*given.files, str(_size_file(given, sizes))) if "file" in sizes else given.files,
     )
+    return scenario, problems
 
 
 def _size_file(given: Layers, table: Mapping[str, Any]) -> FilePath:
@@ -193,17 +180,12 @@ def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
 
 def in_full(changes: Sequence[str]) -> tuple[str, ...]:
     """Return settings KEY=VALUE with the table of a key that has none, ``speed=2mm/s`` as ``sliding.speed=2mm/s``."""
-    return tuple(_in_full(each) for each in changes)
-
-
-def _in_full(change: str) -> str:
-    name, equals, value = change.partition("=")
-    name = name.strip()
-    known = any(name in keys_of(kind) for kind in SECTIONS.values())
-    if isinstance(change, layers.OptionOverride) or not equals or name in (*TOP, *SECTIONS) or not known:
-        return change
-    table, key = place_of(name, {}, f"--set {name}", value)
-    return f"{table}.{key}={value}"
+    full, known = list[str](), {key for kind in SECTIONS.values() for key in keys_of(kind)} - {*TOP, *SECTIONS}
+    for change in changes:
+        name, equals, value = change.partition("=")
+        named = equals and name.strip() in known and not isinstance(change, layers.OptionOverride)
+        full.append(f"{'.'.join(place_of(name.strip(), {}, f'--set {name}', value))}={value}" if named else change)
+    return tuple(full)
 
 
 def place_of(name: str, values: Mapping[str, Any], said: str, value: Any = "") -> tuple[str, str]:
