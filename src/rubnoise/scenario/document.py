@@ -6,8 +6,8 @@ Checks, refusals, the template, the JSON schema and the pages read this file and
 # ruff: noqa: RUF009  (what looks like a default that is shared describes the field)
 
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, field, fields, make_dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal, get_args, get_type_hints
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, Final, Literal, get_args, get_type_hints
 
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS, LawEntry
@@ -24,6 +24,8 @@ LIVE_JUNCTIONS: Final = 1e6
 AREAS, COUNTS = Range(1e-12, 1e18), Range(1e-6, LIVE_JUNCTIONS)
 """Mean real contact areas in um^2 and mean numbers of junctions that are possible."""
 _MASS: Final = Measure((MASS,), possible=Range(1e-18, 1e12), plausible=Range(1e-12, 1e6))
+_WIDTH: Final = Measure((LENGTH,), possible=Range(1e-12, 1e12), plausible=Range(1e-6, 1e6))
+_JITTER: Final = Measure((RATIO,), possible=Range(1e-6, 1e2), plausible=Range(1e-6, 1e2))
 _DAMPING: Final = Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9))
 
 
@@ -65,51 +67,44 @@ class Interface(Section):
     )
 
 
-def _laws(one_value: str) -> dict[str, LawEntry]:
-    """Return the laws that a table may name; the law of one value has a name for each table."""
-    taken = {name: entry for name, entry in LAWS.items() if one_value == "fixed" or not entry.own_keys}
-    return {one_value if name == "fixed" else name: entry for name, entry in taken.items()}
+STRENGTH_LAWS: Final = {
+    ONE_STRENGTH if name == "fixed" else name: LAWS[name] for name in LAWS if not LAWS[name].own_keys
+}
+"""The laws of strengths by their names in a scenario."""
 
 
-def _listed(one_value: str) -> str:
-    return "; ".join(f"{name}: {entry.about}" for name, entry in _laws(one_value).items())
+def _law(laws: Mapping[str, LawEntry], default: str) -> Any:
+    about = "; ".join(f"{name}: {entry.about}" for name, entry in laws.items())
+    return key(Choice(tuple(laws)), f"{about}.", default)
 
 
-def _without_spread(one_value: str) -> str:
-    *names, last = (name for name, entry in _laws(one_value).items() if not entry.takes_spread)
-    return f"{', '.join(names)} and {last}"
+def _spread(laws: Mapping[str, LawEntry], kind: Any, of: str, sample: str, form: str) -> Any:
+    possible, plausible = Range(1e-12, 1e12, zero=True), Range(1e-6, 1e6, zero=True)
+    *names, last = (name for name, entry in laws.items() if not entry.takes_spread)
+    about = f"Standard deviation: {of}; not for {', '.join(names)} and {last}."
+    return key(Measure((kind, RATIO), possible=possible, plausible=plausible), about, sample=sample, form=form)
 
 
-def _with_parameters(table: type[Section], centre: str) -> Any:
-    own = [
-        (each.name, "float | None", key(Number(Range(each.low, each.high)), about, sample=each.sample))
-        for name, entry in LAWS.items()
-        for each in entry.parameters
-        for about in [f"{each.about.format(centre=centre)}; for the law {name}."]
-    ]
-    made = make_dataclass(
-        table.__name__, own, bases=(table,), frozen=True, slots=True, kw_only=True, namespace={"__module__": __name__}
-    )
-    made.__doc__ = table.__doc__
-    return made
+def _own(laws: Mapping[str, LawEntry], name: str, kind: Any = None, centre: str = "") -> Any:
+    """Return the key of a parameter that one of the laws takes."""
+    law, own = next((law, each) for law, entry in laws.items() for each in entry.parameters if each.name == name)
+    about = f"{own.about.format(centre=centre)}; for the law {law}."
+    return key(kind or Number(Range(own.low, own.high)), about, sample=own.sample)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Diameter(Section):
     """The distribution of junction diameters, about its own mean or about the calibrated diameter d_m."""
 
-    law: str = key(Choice(tuple(LAWS)), f"{_listed('fixed')}.", "fixed")
+    law: str = _law(LAWS, "fixed")
     mean: Quantity | None = key(
         Measure((LENGTH,), possible=Range(1e-9, 1e9), plausible=Range(1e-4, 1e5)),
         "Mean diameter d_m as drawn, beside either mean_junction_count or an area; the other follows.",
         sample="5 um",
         remark="Instead of mean_real_contact_area and calibration.",
     )
-    spread: Quantity | None = key(
-        Measure((LENGTH, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
-        f"Standard deviation: a length, or a percentage of d_m; not for {_without_spread('fixed')}.",
-        sample="10 %",
-        form='spread = "0.2 um" or spread = "4 %"',
+    spread: Quantity | None = _spread(
+        LAWS, LENGTH, "a length, or a percentage of d_m", "10 %", 'spread = "0.2 um" or spread = "4 %"'
     )
     weights: tuple[float, ...] | None = key(
         Sizes("weights"), "Weight of each part, made to add up to 1; for the law mixture.", sample=[0.7, 0.3]
@@ -146,28 +141,20 @@ class Diameter(Section):
         "How values were found: born, each counts alike; alive, in a snapshot, by one over itself.",
         sample="alive",
     )
-
-
-def _of_births(key_name: str, kind: Any) -> Any:
-    law, own = next((law, each) for law, entry in BIRTHS.items() for each in entry.parameters if each.name == key_name)
-    return key(kind, f"{own.about}; for the law {law}.", sample=own.sample)
+    exponent: float | None = _own(LAWS, "exponent")
+    smallest: float | None = _own(LAWS, "smallest", centre="d_m")
+    largest: float | None = _own(LAWS, "largest", centre="d_m")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Birth(Section):
     """The positions of births along the sliding distance."""
 
-    law: str = key(
-        Choice(tuple(BIRTHS)), f"{'; '.join(f'{name}: {entry.about}' for name, entry in BIRTHS.items())}.", "poisson"
-    )
-    shape: float | None = _of_births("shape", Number(Range(0.125, 100.0)))
-    cluster_size: float | None = _of_births("cluster_size", Number(Range(0.1, 1e4)))
-    cluster_width: Quantity | None = _of_births(
-        "cluster_width", Measure((LENGTH,), possible=Range(1e-12, 1e12), plausible=Range(1e-6, 1e6))
-    )
-    jitter: Quantity | None = _of_births(
-        "jitter", Measure((RATIO,), possible=Range(1e-6, 1e2), plausible=Range(1e-6, 1e2))
-    )
+    law: str = _law(BIRTHS, "poisson")
+    shape: float | None = _own(BIRTHS, "shape", Number(Range(0.125, 100.0)))
+    cluster_size: float | None = _own(BIRTHS, "cluster_size", Number(Range(0.1, 1e4)))
+    cluster_width: Quantity | None = _own(BIRTHS, "cluster_width", _WIDTH)
+    jitter: Quantity | None = _own(BIRTHS, "jitter", _JITTER)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -192,23 +179,18 @@ class Pulse(Section):
 class Strength(Section):
     """The shear strength of junctions, which turns area into force."""
 
-    law: str = key(Choice(tuple(_laws(ONE_STRENGTH))), f"{_listed(ONE_STRENGTH)}.", ONE_STRENGTH)
+    law: str = _law(STRENGTH_LAWS, ONE_STRENGTH)
     mean: Quantity = needed(
         Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-3, 1e6)),
         "Mean shear strength psi; for normal before redrawing, for power the unit of its ends.",
         sample="250 MPa",
     )
-    spread: Quantity | None = key(
-        Measure((STRESS, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
-        f"Standard deviation: a stress, or a percentage of the mean; not for {_without_spread(ONE_STRENGTH)}.",
-        sample="20 %",
-        form='spread = "50 MPa" or spread = "20 %"',
+    spread: Quantity | None = _spread(
+        STRENGTH_LAWS, STRESS, "a stress, or a percentage of the mean", "20 %", 'spread = "50 MPa" or spread = "20 %"'
     )
-
-
-if not TYPE_CHECKING:  # the keys that a law brings along are known to the registry alone
-    Diameter = _with_parameters(Diameter, "d_m")
-    Strength = _with_parameters(Strength, "the mean")
+    exponent: float | None = _own(LAWS, "exponent")
+    smallest: float | None = _own(LAWS, "smallest", centre="the mean")
+    largest: float | None = _own(LAWS, "largest", centre="the mean")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
