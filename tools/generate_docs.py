@@ -13,7 +13,7 @@ from pathlib import Path
 from parts import filled, parts_of
 
 from rubnoise.scenario.document import SECTIONS, TOP, presence
-from rubnoise.scenario.fields import Choice, Key, Measure, Number, Parts, Sizes, keys_of
+from rubnoise.scenario.fields import Choice, Key, Measure, Number, Parts, Sizes, about_of, keys_of
 from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
@@ -99,7 +99,7 @@ def keys() -> Iterator[str]:
     yield from _keys(TOP, explained)
     for name, section in SECTIONS.items():
         yield f"### [{name}]\n"
-        yield " ".join((section.__doc__ or "").split())
+        yield " ".join(about_of(section).split())
         yield f"{_NEEDS[presence(name)]}\n"
         yield from _keys(keys_of(section), explained)
 

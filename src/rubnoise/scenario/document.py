@@ -1,6 +1,7 @@
 """The keys of a scenario file, table by table: what each may hold, its meaning, its default, and an ordinary value.
 
-Checks, refusals, the template, the JSON schema and the pages read this file and nothing else.
+Checks, refusals, the template, the JSON schema and the pages read this file and nothing else. The docstring of a table
+says what it is about, and then the meaning of each key.
 """
 
 # ruff: noqa: RUF009  (what looks like a default that is shared describes the field)
@@ -23,48 +24,36 @@ LIVE_JUNCTIONS: Final = 1e6
 
 AREAS, COUNTS = Range(1e-12, 1e18), Range(1e-6, LIVE_JUNCTIONS)
 """Mean real contact areas in um^2 and mean numbers of junctions that are possible."""
-_MASS: Final = Measure((MASS,), possible=Range(1e-18, 1e12), plausible=Range(1e-12, 1e6))
-_WIDTH: Final = Measure((LENGTH,), possible=Range(1e-12, 1e12), plausible=Range(1e-6, 1e6))
-_JITTER: Final = Measure((RATIO,), possible=Range(1e-6, 1e2), plausible=Range(1e-6, 1e2))
-_DAMPING: Final = Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9))
+_MASS: Final = Measure((MASS,), Range(1e-18, 1e12), Range(1e-12, 1e6))
+_WIDTH: Final = Measure((LENGTH,), Range(1e-12, 1e12), Range(1e-6, 1e6))
+_JITTER: Final = Measure((RATIO,), Range(1e-6, 1e2), Range(1e-6, 1e2))
+_DAMPING: Final = Measure((DAMPING,), Range(1e-15, 1e15), Range(1e-9, 1e9))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interface(Section):
-    """The contact: mean real contact area, or load and hardness; mean number of junctions, or the area of one."""
+    """The contact: mean real contact area, or load and hardness; mean number of junctions, or the area of one.
+
+    mean_real_contact_area: Mean real contact area A_rm; or else load and hardness.
+    load: Normal load W; with hardness, A_rm = W/H (Bowden and Tabor).
+    hardness: Hardness H of the softer side; psi/H is the coefficient of friction.
+    mean_junction_count: Mean number of junctions N_jm; need not be a whole number; or else patch_area.
+    patch_area: Mean area of one junction, so that N_jm = A_rm/patch_area: load adds junctions.
+    calibration: Life mean over d_m^2: paper 0.327 (lens), exact the pulse's own, matched solves for A_rm.
+    """
 
     mean_real_contact_area: Quantity | None = key(
-        Measure((AREA,), possible=AREAS, plausible=Range(1e-6, 1e12)),
-        "Mean real contact area A_rm; or else load and hardness.",
+        Measure((AREA,), AREAS, Range(1e-6, 1e12)),
         sample="200 um^2",
         form='mean_real_contact_area = "200 um^2", or load and hardness, or diameter.mean',
     )
-    load: Quantity | None = key(
-        Measure((FORCE,), possible=Range(1e-12, 1e18), plausible=Range(1e-3, 1e12)),
-        "Normal load W; with hardness, A_rm = W/H (Bowden and Tabor).",
-        sample="0.2 N",
-    )
-    hardness: Quantity | None = key(
-        Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-2, 1e6)),
-        "Hardness H of the softer side; psi/H is the coefficient of friction.",
-        sample="1 GPa",
-    )
+    load: Quantity | None = key(Measure((FORCE,), Range(1e-12, 1e18), Range(1e-3, 1e12)), sample="0.2 N")
+    hardness: Quantity | None = key(Measure((STRESS,), Range(1e-12, 1e12), Range(1e-2, 1e6)), sample="1 GPa")
     mean_junction_count: float | None = key(
-        Number(COUNTS),
-        "Mean number of junctions N_jm; need not be a whole number; or else patch_area.",
-        sample=20,
-        form='mean_junction_count = 20 or patch_area = "10 um^2"',
+        Number(COUNTS), sample=20, form='mean_junction_count = 20 or patch_area = "10 um^2"'
     )
-    patch_area: Quantity | None = key(
-        Measure((AREA,), possible=AREAS, plausible=Range(1e-6, 1e12)),
-        "Mean area of one junction, so that N_jm = A_rm/patch_area: load adds junctions.",
-        sample="10 um^2",
-    )
-    calibration: Literal["paper", "exact", "matched"] = key(
-        Choice(("paper", "exact", "matched")),
-        "Life mean over d_m^2: paper 0.327 (lens), exact the pulse's own, matched solves for A_rm.",
-        "matched",
-    )
+    patch_area: Quantity | None = key(Measure((AREA,), AREAS, Range(1e-6, 1e12)), sample="10 um^2")
+    calibration: Literal["paper", "exact", "matched"] = key(Choice(("paper", "exact", "matched")), "matched")
 
 
 STRENGTH_LAWS: Final = {
@@ -75,72 +64,59 @@ STRENGTH_LAWS: Final = {
 
 def _law(laws: Mapping[str, LawEntry], default: str) -> Any:
     about = "; ".join(f"{name}: {entry.about}" for name, entry in laws.items())
-    return key(Choice(tuple(laws)), f"{about}.", default)
+    return key(Choice(tuple(laws)), default, about=f"{about}.")
 
 
 def _spread(laws: Mapping[str, LawEntry], kind: Any, of: str, sample: str, form: str) -> Any:
     possible, plausible = Range(1e-12, 1e12, zero=True), Range(1e-6, 1e6, zero=True)
     *names, last = (name for name, entry in laws.items() if not entry.takes_spread)
     about = f"Standard deviation: {of}; not for {', '.join(names)} and {last}."
-    return key(Measure((kind, RATIO), possible=possible, plausible=plausible), about, sample=sample, form=form)
+    return key(Measure((kind, RATIO), possible, plausible), about=about, sample=sample, form=form)
 
 
 def _own(laws: Mapping[str, LawEntry], name: str, kind: Any = None, centre: str = "") -> Any:
     """Return the key of a parameter that one of the laws takes."""
     law, own = next((law, each) for law, entry in laws.items() for each in entry.parameters if each.name == name)
     about = f"{own.about.format(centre=centre)}; for the law {law}."
-    return key(kind or Number(Range(own.low, own.high)), about, sample=own.sample)
+    return key(kind or Number(Range(own.low, own.high)), about=about, sample=own.sample)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Diameter(Section):
-    """The distribution of junction diameters, about its own mean or about the calibrated diameter d_m."""
+    """The distribution of junction diameters, about its own mean or about the calibrated diameter d_m.
+
+    mean: Mean diameter d_m as drawn, beside either mean_junction_count or an area; the other follows.
+    weights: Weight of each part, made to add up to 1; for the law mixture.
+    parts: Tables with law, mean (um) and, where the law takes one, spread (%); scaled to d_m.
+    values: Measured diameters in um, which are scaled to the mean d_m; for the law empirical.
+    file: File with the values, CSV or HDF5, relative to the scenario's; for the law empirical.
+    column: Column of the file, by name or number, or dataset; a table of one column needs none.
+    hash: SHA-256 of the values in um; a file that has changed is refused. Filled in when left out.
+    sampled: How values were found: born, each counts alike; alive, in a snapshot, by one over itself.
+    """
 
     law: str = _law(LAWS, "fixed")
     mean: Quantity | None = key(
-        Measure((LENGTH,), possible=Range(1e-9, 1e9), plausible=Range(1e-4, 1e5)),
-        "Mean diameter d_m as drawn, beside either mean_junction_count or an area; the other follows.",
+        Measure((LENGTH,), Range(1e-9, 1e9), Range(1e-4, 1e5)),
         sample="5 um",
         remark="Instead of mean_real_contact_area and calibration.",
     )
     spread: Quantity | None = _spread(
         LAWS, LENGTH, "a length, or a percentage of d_m", "10 %", 'spread = "0.2 um" or spread = "4 %"'
     )
-    weights: tuple[float, ...] | None = key(
-        Sizes("weights"), "Weight of each part, made to add up to 1; for the law mixture.", sample=[0.7, 0.3]
-    )
+    weights: tuple[float, ...] | None = key(Sizes("weights"), sample=[0.7, 0.3])
     parts: tuple[dict[str, Any], ...] | None = key(
         Parts(),
-        "Tables with law, mean (um) and, where the law takes one, spread (%); scaled to d_m.",
         sample=[{"law": "fixed", "mean": 4.0}, {"law": "normal", "mean": 9.0, "spread": "20 %"}],
         form='parts = [{law = "fixed", mean = 4}, {law = "normal", mean = 9, spread = "20 %"}]',
     )
     values: tuple[float, ...] | None = key(
-        Sizes("diameters"),
-        "Measured diameters in um, which are scaled to the mean d_m; for the law empirical.",
-        sample=[4.1, 5.3, 6.0],
-        form='values = [4.1, 5.3, 6.0] or file = "sizes.csv"',
+        Sizes("diameters"), sample=[4.1, 5.3, 6.0], form='values = [4.1, 5.3, 6.0] or file = "sizes.csv"'
     )
-    file: str | None = key(
-        Line(),
-        "File with the values, CSV or HDF5, relative to the scenario's; for the law empirical.",
-        sample="sizes.csv",
-    )
-    column: str | None = key(
-        Line(),
-        "Column of the file, by name or number, or dataset; a table of one column needs none.",
-        sample="diameter",
-    )
-    hash: str | None = key(
-        Line(),
-        "SHA-256 of the values in um; a file that has changed is refused. Filled in when left out.",
-        sample="2b2a067e28d6b407c6503c591e07fe6db2e0bf09bff4e5ac753fa369e2e7cc35",
-    )
-    sampled: str | None = key(
-        Choice(("born", "alive")),
-        "How values were found: born, each counts alike; alive, in a snapshot, by one over itself.",
-        sample="alive",
-    )
+    file: str | None = key(Line(), sample="sizes.csv")
+    column: str | None = key(Line(), sample="diameter")
+    hash: str | None = key(Line(), sample="2b2a067e28d6b407c6503c591e07fe6db2e0bf09bff4e5ac753fa369e2e7cc35")
+    sampled: str | None = key(Choice(("born", "alive")), sample="alive")
     exponent: float | None = _own(LAWS, "exponent")
     smallest: float | None = _own(LAWS, "smallest", centre="d_m")
     largest: float | None = _own(LAWS, "largest", centre="d_m")
@@ -159,32 +135,27 @@ class Birth(Section):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pulse(Section):
-    """The area of a junction over its life."""
+    """The area of a junction over its life.
 
-    shape: str = key(
-        Choice(("lens", "triangle", "parabola")),
-        "lens: the overlap of two circles; triangle: a straight rise and fall to the same peak; "
-        "parabola: the overlap of two paraboloids, as rough surfaces have it.",
-        "lens",
-    )
-    offset: str = key(
-        Choice(("none", "uniform")),
-        "none: junctions pass through both centres; uniform: they miss the centre line by up to the "
-        "diameter (lens and parabola, Poisson births, one-way coupling).",
-        "none",
-    )
+    shape: lens: the overlap of two circles; triangle: a straight rise and fall to the same peak; parabola: the overlap
+        of two paraboloids, as rough surfaces have it.
+    offset: none: junctions pass through both centres; uniform: they miss the centre line by up to the diameter (lens
+        and parabola, Poisson births, one-way coupling).
+    """
+
+    shape: str = key(Choice(("lens", "triangle", "parabola")), "lens")
+    offset: str = key(Choice(("none", "uniform")), "none")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Strength(Section):
-    """The shear strength of junctions, which turns area into force."""
+    """The shear strength of junctions, which turns area into force.
+
+    mean: Mean shear strength psi; for normal before redrawing, for power the unit of its ends.
+    """
 
     law: str = _law(STRENGTH_LAWS, ONE_STRENGTH)
-    mean: Quantity = needed(
-        Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-3, 1e6)),
-        "Mean shear strength psi; for normal before redrawing, for power the unit of its ends.",
-        sample="250 MPa",
-    )
+    mean: Quantity = needed(Measure((STRESS,), Range(1e-12, 1e12), Range(1e-3, 1e6)), sample="250 MPa")
     spread: Quantity | None = _spread(
         STRENGTH_LAWS, STRESS, "a stress, or a percentage of the mean", "20 %", 'spread = "50 MPa" or spread = "20 %"'
     )
@@ -195,83 +166,55 @@ class Strength(Section):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sliding(Section):
-    """Sliding distance and speed."""
+    """Sliding distance and speed.
 
-    distance: Quantity = needed(
-        Measure((LENGTH,), possible=Range(1e-9, 1e30), plausible=Range(1e-3, 1e12)),
-        "Sliding distance of the run.",
-        sample="40 mm",
-    )
+    distance: Sliding distance of the run.
+    speed: Sliding speed; without it, no times are written.
+    start: stationary: junctions of all ages are alive at the start; empty: there are none.
+    """
+
+    distance: Quantity = needed(Measure((LENGTH,), Range(1e-9, 1e30), Range(1e-3, 1e12)), sample="40 mm")
     speed: Quantity | None = key(
-        Measure((SPEED,), possible=Range(1e-9, 1e15), plausible=Range(1e-3, 1e9)),
-        "Sliding speed; without it, no times are written.",
-        sample="20 mm/s",
-        form='speed = "1 mm/s"',
+        Measure((SPEED,), Range(1e-9, 1e15), Range(1e-3, 1e9)), sample="20 mm/s", form='speed = "1 mm/s"'
     )
-    start: Literal["stationary", "empty"] = key(
-        Choice(("stationary", "empty")),
-        "stationary: junctions of all ages are alive at the start; empty: there are none.",
-        "stationary",
-    )
+    start: Literal["stationary", "empty"] = key(Choice(("stationary", "empty")), "stationary")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slider(Section):
-    """The oscillator that the friction force excites; give either damping or damping_ratio."""
+    """The oscillator that the friction force excites; give either damping or damping_ratio.
 
-    mass: Quantity = needed(_MASS, "Mass m.", sample="50 g", form='mass = "5 g"')
+    mass: Mass m.
+    stiffness: Stiffness k.
+    damping: Damping coefficient c.
+    damping_ratio: Damping ratio c / (2 sqrt(k m)).
+    coupling: one-way: the motion of the slider does not change the sliding distance; two-way: it does, and the slider
+        may stick and turn round.
+    excitation: friction, the default: the force of the junctions; base: asperities lift the slider's base (Rice and
+        Moslehy), which runs with lives that are triangles of one size; velocity-weakening: a mean force that falls with
+        speed, without junctions, which theory alone has.
+    asperity_height: Height of a triangular impulse: a percentage of d, or a length; for base.
+    heights: sum: impulses add up also where asperities meet, of which a rigid body rides the highest.
+    slope: By how much the force falls with speed; for velocity-weakening.
+    cells: Least number of cells per diameter in which a two-way motion knows the force; default 50.
+    start: equilibrium: at rest at the static deflection under the mean force; rest: at zero.
+    """
+
+    mass: Quantity = needed(_MASS, sample="50 g", form='mass = "5 g"')
     stiffness: Quantity = needed(
-        Measure((STIFFNESS,), possible=Range(1e-12, 1e15), plausible=Range(1e-4, 1e11)),
-        "Stiffness k.",
-        sample="100 kN/m",
-        form='stiffness = "300 N/m"',
+        Measure((STIFFNESS,), Range(1e-12, 1e15), Range(1e-4, 1e11)), sample="100 kN/m", form='stiffness = "300 N/m"'
     )
-    damping: Quantity | None = key(
-        _DAMPING, "Damping coefficient c.", sample="5 N*s/m", form='damping = "0.05 N*s/m" or damping_ratio = 0.02'
-    )
-    damping_ratio: float | None = key(
-        Number(Range(1e-9, 1e6)), "Damping ratio c / (2 sqrt(k m)).", sample=0.02, remark="Instead of damping."
-    )
-    coupling: Literal["one-way", "two-way"] = key(
-        Choice(("one-way", "two-way")),
-        "one-way: the motion of the slider does not change the sliding distance; two-way: it does, "
-        "and the slider may stick and turn round.",
-        "one-way",
-    )
+    damping: Quantity | None = key(_DAMPING, sample="5 N*s/m", form='damping = "0.05 N*s/m" or damping_ratio = 0.02')
+    damping_ratio: float | None = key(Number(Range(1e-9, 1e6)), sample=0.02, remark="Instead of damping.")
+    coupling: Literal["one-way", "two-way"] = key(Choice(("one-way", "two-way")), "one-way")
     excitation: Literal["friction", "base", "velocity-weakening"] | None = key(
-        Choice(("friction", "base", "velocity-weakening")),
-        "friction, the default: the force of the junctions; base: asperities lift the slider's base "
-        "(Rice and Moslehy), which runs with lives that are triangles of one size; velocity-weakening: a mean "
-        "force that falls with speed, without junctions, which theory alone has.",
-        sample="friction",
+        Choice(("friction", "base", "velocity-weakening")), sample="friction"
     )
-    asperity_height: Quantity | None = key(
-        Measure((RATIO, LENGTH), possible=Range(1e-9, 1e6), plausible=Range(1e-9, 1e6)),
-        "Height of a triangular impulse: a percentage of d, or a length; for base.",
-        sample="2 %",
-    )
-    heights: str | None = key(
-        Choice(("highest", "sum")),
-        "sum: impulses add up also where asperities meet, of which a rigid body rides the highest.",
-        sample="sum",
-    )
-    slope: Quantity | None = key(
-        _DAMPING,
-        "By how much the force falls with speed; for velocity-weakening.",
-        sample="10 N*s/m",
-        form='slope = "0.1 N*s/m"',
-    )
-    cells: int | None = key(
-        Number(Range(20, 10_000), whole=True),
-        "Least number of cells per diameter in which a two-way motion knows the force; default 50.",
-        sample=50,
-        remark="Only for two-way coupling.",
-    )
-    start: Literal["equilibrium", "rest"] = key(
-        Choice(("equilibrium", "rest")),
-        "equilibrium: at rest at the static deflection under the mean force; rest: at zero.",
-        "equilibrium",
-    )
+    asperity_height: Quantity | None = key(Measure((RATIO, LENGTH), Range(1e-9, 1e6), Range(1e-9, 1e6)), sample="2 %")
+    heights: str | None = key(Choice(("highest", "sum")), sample="sum")
+    slope: Quantity | None = key(_DAMPING, sample="10 N*s/m", form='slope = "0.1 N*s/m"')
+    cells: int | None = key(Number(Range(20, 10_000), whole=True), sample=50, remark="Only for two-way coupling.")
+    start: Literal["equilibrium", "rest"] = key(Choice(("equilibrium", "rest")), "equilibrium")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -279,77 +222,67 @@ class Load(Section):
     """A load that weighs: the slider rises and falls under interface.load, of first order or free to leave its contact.
 
     First order needs either damping or damping_ratio, free motion either restitution or impact_damping.
+
+    height_scale: Height scale s_0: rising by so much leaves 1/e of the real contact area.
+    mass: Mass of what moves up and down.
+    damping: Damping coefficient of the normal motion.
+    damping_ratio: Damping ratio of the contact resonance, c / (2 sqrt(W m / s_0)).
+    motion: first-order: the contact is a spring of stiffness W/s_0, for small motions; free: every junction pushes by
+        itself, and the slider may leave its contact.
+    restitution: Restitution e of free motion: the force of an overlap that shrinks is e^2 as large.
+    impact_damping: Loss of free motion that grows with speed (Hunt and Crossley); instead of restitution.
     """
 
-    height_scale: Quantity = needed(
-        Measure((LENGTH,), possible=Range(1e-9, 1e9), plausible=Range(1e-4, 1e3)),
-        "Height scale s_0: rising by so much leaves 1/e of the real contact area.",
-        sample="0.5 um",
-    )
-    mass: Quantity = needed(_MASS, "Mass of what moves up and down.", sample="5 g")
-    damping: Quantity | None = key(
-        _DAMPING,
-        "Damping coefficient of the normal motion.",
-        sample="4 N*s/m",
-        form='damping_ratio = 0.05 or damping = "4 N*s/m"',
-    )
-    damping_ratio: float | None = key(
-        Number(Range(1e-9, 1e6)),
-        "Damping ratio of the contact resonance, c / (2 sqrt(W m / s_0)).",
-        sample=0.05,
-        remark="Instead of damping.",
-    )
-    motion: Literal["first-order", "free"] = key(
-        Choice(("first-order", "free")),
-        "first-order: the contact is a spring of stiffness W/s_0, for small motions; free: every"
-        " junction pushes by itself, and the slider may leave its contact.",
-        "first-order",
-    )
+    height_scale: Quantity = needed(Measure((LENGTH,), Range(1e-9, 1e9), Range(1e-4, 1e3)), sample="0.5 um")
+    mass: Quantity = needed(_MASS, sample="5 g")
+    damping: Quantity | None = key(_DAMPING, sample="4 N*s/m", form='damping_ratio = 0.05 or damping = "4 N*s/m"')
+    damping_ratio: float | None = key(Number(Range(1e-9, 1e6)), sample=0.05, remark="Instead of damping.")
+    motion: Literal["first-order", "free"] = key(Choice(("first-order", "free")), "first-order")
     restitution: float | None = key(
         Number(Range(0.0, 1.0)),
-        "Restitution e of free motion: the force of an overlap that shrinks is e^2 as large.",
         sample=0.7,
         form='restitution = 0.7 or impact_damping = "60 s/m"',
         remark="Only for free motion.",
     )
     impact_damping: Quantity | None = key(
-        Measure((INVERSE_SPEED,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e3)),
-        "Loss of free motion that grows with speed (Hunt and Crossley); instead of restitution.",
-        sample="60 s/m",
-        remark="Only for free motion.",
+        Measure((INVERSE_SPEED,), Range(1e-15, 1e15), Range(1e-9, 1e3)), sample="60 s/m", remark="Only for free motion."
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Output(Section):
-    """The ticks of the traces, and compression."""
+    """The ticks of the traces, and compression.
 
-    tick: Quantity | None = key(
-        Measure((LENGTH,), possible=Range(1e-9, 1e12), plausible=Range(1e-6, 1e6)),
-        "Distance between samples of the traces; default: mean life / 200.",
-        sample="0.1 um",
-    )
-    compression: str = key(Choice(("none", "gzip")), "gzip: smaller files, but slower.", "none")
+    tick: Distance between samples of the traces; default: mean life / 200.
+    compression: gzip: smaller files, but slower.
+    """
+
+    tick: Quantity | None = key(Measure((LENGTH,), Range(1e-9, 1e12), Range(1e-6, 1e6)), sample="0.1 um")
+    compression: str = key(Choice(("none", "gzip")), "none")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run(Section):
-    """Seed and engine."""
+    """Seed and engine.
 
-    seed: int = key(Number(Range(0, SEED_LIMIT - 1), whole=True), "Seed of all random numbers.", 1)
-    engine: str = key(
-        Choice(("events", "batch")),
-        "events: junctions as SimPy processes; batch: the same result, faster, without events.",
-        "events",
-    )
+    seed: Seed of all random numbers.
+    engine: events: junctions as SimPy processes; batch: the same result, faster, without events.
+    """
+
+    seed: int = key(Number(Range(0, SEED_LIMIT - 1), whole=True), 1)
+    engine: str = key(Choice(("events", "batch")), "events")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Document(Section):
-    """A rubnoise scenario."""
+    """A rubnoise scenario.
 
-    format: int = needed(Number(Range(FORMAT, FORMAT), whole=True), "Version of this format: 1.", sample=FORMAT)
-    title: str = key(Line(), "One line that describes the run.", "")
+    format: Version of this format: 1.
+    title: One line that describes the run.
+    """
+
+    format: int = needed(Number(Range(FORMAT, FORMAT), whole=True), sample=FORMAT)
+    title: str = key(Line(), "")
     interface: Interface
     diameter: Diameter = field(default_factory=Diameter)
     birth: Birth = field(default_factory=Birth)

@@ -7,10 +7,11 @@ import re
 import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from datetime import date, datetime, time
 from difflib import get_close_matches
 from fractions import Fraction
+from inspect import cleandoc
 from math import isfinite
 from typing import Any, Final
 
@@ -193,7 +194,7 @@ MOST: Final = 2000
 
 _POSSIBLE = Range(1e-12, 1e12)
 LAWS_OF_PARTS = tuple(name for name, entry in LAWS.items() if not (entry.own_keys or entry.parameters))
-_RATIO = Measure((RATIO,), possible=Range(1e-12, 1e12), plausible=Range(1e-12, 1e12))
+_RATIO = Measure((RATIO,), _POSSIBLE, _POSSIBLE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +228,7 @@ def ratio_of(part: Mapping[str, Any]) -> float:
 
 def _size(value: Any) -> float:
     if isinstance(value, str):
-        return float(Measure((LENGTH,), possible=_POSSIBLE, plausible=_POSSIBLE).read(value))
+        return float(Measure((LENGTH,), _POSSIBLE, _POSSIBLE).read(value))
     return float(Number(_POSSIBLE).read(value))
 
 
@@ -255,7 +256,7 @@ class Key:
     """
 
     kind: Field
-    about: str
+    about: str = ""
     default: Any = None
     is_needed: bool = False
     sample: Any = None
@@ -263,21 +264,35 @@ class Key:
     remark: str = ""
 
 
-def key(kind: Field, about: str, default: Any = None, **more: Any) -> Any:
+def key(kind: Field, default: Any = None, **more: Any) -> Any:
     """Return a field of a table that a scenario may leave out."""
-    return field(default=default, metadata={Key: Key(kind=kind, about=about, default=default, **more)})
+    return field(default=default, metadata={Key: Key(kind=kind, default=default, **more)})
 
 
-def needed(kind: Field, about: str, **more: Any) -> Any:
+def needed(kind: Field, **more: Any) -> Any:
     """Return a field of a table that a scenario must have."""
-    return field(metadata={Key: Key(kind=kind, about=about, is_needed=True, **more)})
+    return field(metadata={Key: Key(kind=kind, is_needed=True, **more)})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
-    """The values of a table, all of whose keys are known."""
+    """The values of a table, all of whose keys are known; its docstring ends with a paragraph of the keys' meanings."""
+
+
+_KEYS: Final[dict[type[Section], Mapping[str, Key]]] = {}
+_MEANING: Final = re.compile(r"^(\w+): (.*(?:\n +.*)*)", re.MULTILINE)
 
 
 def keys_of(section: type[Section]) -> Mapping[str, Key]:
     """Return the keys of a table by their names."""
-    return {each.name: each.metadata[Key] for each in fields(section) if Key in each.metadata}
+    if section not in _KEYS:
+        told = {name: " ".join(words.split()) for name, words in _MEANING.findall(cleandoc(section.__doc__ or ""))}
+        keys = {each.name: each.metadata[Key] for each in fields(section) if Key in each.metadata}
+        _KEYS[section] = {name: replace(key, about=key.about or told.get(name, "")) for name, key in keys.items()}
+    return _KEYS[section]
+
+
+def about_of(section: type[Section]) -> str:
+    """Return what a table is about, without the meanings of its keys."""
+    paragraphs = cleandoc(section.__doc__ or "").split("\n\n")
+    return "\n\n".join(each for each in paragraphs if _MEANING.match(each) is None)

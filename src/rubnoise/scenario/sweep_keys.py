@@ -23,31 +23,23 @@ _AT_LEAST: Final = 0.125
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sweeping(Section):
-    """Many runs from one file; `[sweep.grid]` and `[sweep.zip]` list the values that vary."""
+    """Many runs from one file; `[sweep.grid]` and `[sweep.zip]` list the values that vary.
+
+    keep: runs: a result file for each run; summary: only its figures and curves, without traces.
+    precision: Target for the relative standard error of the quantity's mean; runs are added to meet it.
+    quantity: The figure of a run that must reach this precision.
+    most_replicates: Most runs of a point, even if it does not reach the precision.
+    """
 
     replicates: int = key(
         Number(Range(1, SWEEP_RUNS), whole=True),
-        f"Runs of each point, each with its own seed; with a precision, the first runs, {FEWEST} or more.",
         1,
+        about=f"Runs of each point, each with its own seed; with a precision, the first runs, {FEWEST} or more.",
     )
-    keep: Keep = key(  # noqa: RUF009
-        Choice(("runs", "summary")),
-        "runs: a result file for each run; summary: only its figures and curves, without traces.",
-        "runs",
-    )
-    precision: float | None = key(
-        Number(Range(1e-6, 1.0)),
-        "Target for the relative standard error of the quantity's mean; runs are added to meet it.",
-        sample=0.005,
-    )
-    quantity: str = key(
-        Choice(tuple(QUANTITIES)), "The figure of a run that must reach this precision.", "real_contact_area_std"
-    )
-    most_replicates: int = key(
-        Number(Range(FEWEST, SWEEP_RUNS), whole=True),
-        "Most runs of a point, even if it does not reach the precision.",
-        1000,
-    )
+    keep: Keep = key(Choice(("runs", "summary")), "runs")  # noqa: RUF009
+    precision: float | None = key(Number(Range(1e-6, 1.0)), sample=0.005)
+    quantity: str = key(Choice(tuple(QUANTITIES)), "real_contact_area_std")
+    most_replicates: int = key(Number(Range(FEWEST, SWEEP_RUNS), whole=True), 1000)
 
     @property
     def largest(self) -> int:

@@ -2,7 +2,6 @@
 
 import tomllib
 from collections.abc import Iterator, Mapping
-from inspect import cleandoc
 from textwrap import wrap
 from typing import Any, Final
 
@@ -20,6 +19,7 @@ from rubnoise.scenario.fields import (
     Parts,
     Section,
     Sizes,
+    about_of,
     keys_of,
 )
 from rubnoise.scenario.keys import GRID
@@ -57,30 +57,22 @@ def template() -> str:
     lines += [*_comment(EXTENDS), '#extends = "base.toml"']
     lines += _key("title", TOP["title"])
     for name, section in SECTIONS.items():
-        lines += ["", *_section_lines(name, section)]
-    return "\n".join([*lines, "", *_sweep()]) + "\n"
+        optional = presence(name) == "optional"
+        lines += _table_lines(name, section, "This table is optional." if optional else "")
+    lines += _table_lines(SWEEP, Sweeping, "This table is optional; `rubnoise sweep` makes the runs.")
+    lines += [*_comment(VARIED), f"#[{SWEEP}.{GRID}]", "#interface.mean_junction_count = [10, 20, 40]"]
+    return "\n".join(lines) + "\n"
 
 
-def _section_lines(name: str, section: type[Section]) -> Iterator[str]:
-    """Yield the lines of a table; all lines of an optional table are comments."""
-    optional = presence(name) == "optional"
-    off = optional and name not in WITH_SLIDER
-    text = " ".join((section.__doc__ or "").split())
-    yield from _comment(f"{text} This table is optional." if optional else text)
+def _table_lines(name: str, section: type[Section], remark: str) -> Iterator[str]:
+    """Yield the lines of a table; all lines of one with a remark are comments, but for those of a slider."""
+    off = bool(remark) and name not in WITH_SLIDER
+    yield ""
+    yield from _comment(f"{' '.join(about_of(section).split())} {remark}".rstrip())
     yield f"{'#' if off else ''}[{name}]"
     for key, about in keys_of(section).items():
         unset = off or (not about.is_needed and about.default is None and (name, key) not in SET)
         yield from _key(key, about, off=unset)
-
-
-def _sweep() -> Iterator[str]:
-    yield from _comment(f"{Sweeping.__doc__} This table is optional; `rubnoise sweep` makes the runs.")
-    yield f"#[{SWEEP}]"
-    for key, about in keys_of(Sweeping).items():
-        yield from _key(key, about, off=True)
-    yield from _comment(VARIED)
-    yield f"#[{SWEEP}.{GRID}]"
-    yield "#interface.mean_junction_count = [10, 20, 40]"
 
 
 def _key(key: str, about: Key, *, off: bool = False) -> Iterator[str]:
@@ -136,7 +128,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def _table(section: type[Section]) -> dict[str, Any]:
-    return _object_with(_properties(keys_of(section))) | {"description": cleandoc(section.__doc__ or "")}
+    return _object_with(_properties(keys_of(section))) | {"description": about_of(section)}
 
 
 def _properties(keys: Mapping[str, Key]) -> dict[str, Any]:
