@@ -153,8 +153,7 @@ def fit_figure(found: InferenceResult) -> "Figure":
 
     bands, mean, axes = fit.problem.bands, fit.expected.mean, panes["spectrum"]
     k = bands.wavenumber / signal.tick
-    extra = fit.residual.size - bands.energy.size
-    error = np.sqrt(fit.scatter.diagonal()[extra:])
+    error = np.sqrt(fit.scatter.diagonal())
     unit = float(signal.values.std()) ** 2 * signal.tick
     axes.plot(k, bands.energy * unit, ".", color=BLUE, markersize=3, label="trace")
     axes.plot(k, mean * unit, color=VERMILION, label="expected")
@@ -164,7 +163,7 @@ def fit_figure(found: InferenceResult) -> "Figure":
     axes.legend()
 
     residuals = panes["residuals"]
-    residuals.plot(k, fit.residual[extra:] / error, ".", color=BLUE, markersize=3)
+    residuals.plot(k, fit.residual / error, ".", color=BLUE, markersize=3)
     for level in (-2.0, 0.0, 2.0):
         residuals.axhline(level, color=VERMILION if level == 0.0 else FAINT, linewidth=0.8)
     residuals.set(xlabel="wavenumber (rad/µm)", ylabel="residual (standard errors)", title="Residuals")

@@ -6,7 +6,7 @@ account for this.
 """
 
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import inf, sqrt
 from typing import Final
 
 import numpy as np
@@ -15,7 +15,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.passes import OPEN, Sensor
 from rubnoise.inference.periodogram import Bands, Expectation
-from rubnoise.inference.populations import NARROWEST, EnergyTable, Population, energy_table
+from rubnoise.inference.populations import NARROWEST, Population, energy_table
 
 FLOOR: Final = 1e-13
 """Noise below this part of the largest band counts as none."""
@@ -24,7 +24,6 @@ _MOST_STEPS, _MOST_STEPS_BELOW = 60, 12
 _CLOSE = 1e-6  # in the deviance: a thousandth of a standard error
 _STIFFEST = 1e8
 _STARTS_REFINED = 2
-_SAME = 0.01  # of the diameter and of the shape
 _REACHES = (8.0, 30.0)  # of k d: the swing of equal sizes has a minimum of the deviance at each of its periods
 
 
@@ -53,11 +52,20 @@ class Contact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expected:
-    """The expected bands at a point, and their derivatives by the logarithms of the parameters (columns ``names``)."""
+    """The expected ``mean`` of each band and ``level`` of the record at a point.
+
+    Their derivatives ``by`` (a row each) and ``level_by`` are those by the logarithms of the parameters ``names``.
+    """
 
     mean: Doubles
     by: Doubles
+    level: float
+    level_by: Doubles
     names: tuple[str, ...]
+
+
+_IN_BANDS = {"births": 1.0, "strength": 2.0, "inequality": 1.0}
+_IN_LEVEL = {"births": 1.0, "strength": 1.0, "inequality": 0.0}
 
 
 class FitProblem:
@@ -75,29 +83,32 @@ class FitProblem:
         self.floor = FLOOR * float(bands.energy.max())
         self.walk = self.expectation.drift() if drift else None
 
-    def table(self, shape: float) -> EnergyTable:
-        """Return the energies of the population with a shape."""
-        return energy_table(self.population.name, shape, self.pulse)
+    def population_bands(self, contact: Contact) -> Doubles:
+        """Return the bands of junctions for lam E[psi^2] = 1, and their derivatives by ln d and by the shape."""
+        table = energy_table(self.population.name, contact.shape, self.pulse)
+        return self.expectation.population(table, contact.diameter)
 
-    def expected(self, contact: Contact) -> Expected:
-        """Return the expected bands at a point; parameters at a bound have no derivatives."""
-        energy, slope, by_shape = (
-            self.expectation.population(self.table(contact.shape), contact.diameter) * contact.rate
-        )
-        mean = energy + contact.noise
-        names, by = ["births", "diameter"], [energy, slope]
-        if self.population.spread and contact.shape > NARROWEST:
-            names.append("shape")
-            by.append(by_shape * contact.shape)
+    def expected(self, contact: Contact, free: tuple[str, ...] = ("births",)) -> Expected:
+        """Return what is expected at a point; parameters at a bound have no derivatives.
+
+        ``free`` are those of number, strength and inequality that are sought. The level is Campbell's mean of a record,
+        lam E[psi] c_1 E[d^3].
+        """
+        population, shape = self.population, contact.shape
+        energy, slope, by_shape = self.population_bands(contact) * contact.rate
+        single = self.pulse.life_integral(1) * population.moment(3, shape) * contact.diameter**3
+        level, mean = contact.births * contact.strength * single, energy + contact.noise
+        by = {name: (_IN_LEVEL[name] * level, _IN_BANDS[name] * energy) for name in free}
+        by["diameter"] = (3.0 * level, slope)
+        if population.spread and shape > NARROWEST:
+            by["shape"] = (level * population.by_shape(3, shape), by_shape * shape)
         if contact.noise > self.floor:
-            names.append("noise")
-            by.append(np.full_like(mean, contact.noise))
-        if self.walk is not None and contact.drift is not None:
+            by["noise"] = (0.0, np.full_like(mean, contact.noise))
+        if self.walk is not None and contact.drift:
             mean = mean + contact.drift * self.walk
-            if contact.drift > 0.0:
-                names.append("drift")
-                by.append(contact.drift * self.walk)
-        return Expected(mean=mean, by=np.stack(by, axis=-1), names=tuple(names))
+            by["drift"] = (0.0, contact.drift * self.walk)
+        levels, bands = zip(*by.values(), strict=True)
+        return Expected(mean=mean, by=np.stack(bands, axis=-1), level=level, level_by=np.array(levels), names=tuple(by))
 
     def longest_waves(self, contact: Contact) -> float:
         """Return S(0) of junctions and noise, lam E[psi^2] E[(int A ds)^2] + noise: n times the variance of a mean."""
@@ -136,11 +147,9 @@ def climb(problem: FitProblem, start: Contact, reach: float = inf) -> tuple[Cont
     Bands beyond ``reach`` of k d are left out; the others cannot show the noise, which then stays constant.
     Source: Whittle (1953); Levenberg (1944); Marquardt (1963), doi:10.1137/0111030.
     """
-    bands, contact = problem.bands, start
-    within = _within(problem, start, reach)
-    found = problem.expected(contact)
+    bands, contact, damping = problem.bands, start, 1e-2
+    within, found = _within(problem, start, reach), problem.expected(start)
     best = deviance(bands, found.mean, within)
-    damping = 1e-2
     for _ in range(_MOST_STEPS if reach == inf else _MOST_STEPS_BELOW):
         weights = within / np.square(found.mean)
         pull = found.by.T @ (weights * (bands.energy - found.mean))
@@ -148,26 +157,24 @@ def climb(problem: FitProblem, start: Contact, reach: float = inf) -> tuple[Cont
         if problem.is_widest(contact) and pull[found.names.index("shape")] > 0.0:
             still.add("shape")
         moving = [number for number, name in enumerate(found.names) if name not in still]
-        by, score = found.by[:, moving], pull[moving]
+        names, by, slope = tuple(found.names[each] for each in moving), found.by[:, moving], pull[moving]
         information = (by.T * weights) @ by
-        accepted = False
-        while damping < _STIFFEST:
-            diagonal = np.diag(information.diagonal() * damping + 1e-12 * information.diagonal().max())
-            step: Doubles = np.asarray(np.linalg.solve(information + diagonal, score), dtype=np.float64)
-            if float(step @ score) < _CLOSE * max(1.0, best):  # half of what the step promises
-                break
-            trial = problem.moved(contact, tuple(found.names[number] for number in moving), step)
+        sizes = information.diagonal()
+        before, trial, there = best, contact, found
+        while True:
+            damped = information + np.diag(sizes * damping + 1e-12 * sizes.max())
+            step: Doubles = np.asarray(np.linalg.solve(damped, slope), dtype=np.float64)
+            # Half of what the step promises.
+            if damping >= _STIFFEST or float(step @ slope) < _CLOSE * max(1.0, before):
+                return contact, before
+            trial = problem.moved(contact, names, step)
             there = problem.expected(trial)
-            worth = deviance(bands, there.mean, within)
-            if worth <= best:
-                accepted = True
+            best = deviance(bands, there.mean, within)
+            if best <= before:
                 break
             damping *= 10.0
-        if not accepted:
-            break
-        gain, best, contact, found = best - worth, worth, trial, there
-        damping = max(0.1 * damping, 1e-12)
-        if gain < _CLOSE * max(1.0, best):
+        contact, found, damping = trial, there, max(0.1 * damping, 1e-12)
+        if before - best < _CLOSE * max(1.0, best):
             break
     return contact, best
 
@@ -187,18 +194,16 @@ def starts(problem: FitProblem, diameter: float, noise: float) -> list[Contact]:
     """
     bands = problem.bands
     low = bands.energy[: max(3, bands.energy.size // 12)]
-    weights = bands.weight[: low.size]
-    found = []
+    weights, found = bands.weight[: low.size], []
+    drift = None if problem.walk is None else 1e-3 * float(low.mean()) / float(problem.walk[0])
     for shape in problem.population.starts:
         moments = problem.population.moment
         # The spectrum falls at a wavenumber that goes with sqrt(m8 / m6), not with the mean.
-        typical = (moments(8, shape) / moments(6, shape)) ** 0.5
+        size = diameter / sqrt(moments(8, shape) / moments(6, shape))
         for factor in (0.7, 1.3):
-            size = factor * diameter / typical
-            energy = problem.expectation.population(problem.table(shape), size)[0]
-            level = float(np.sum(weights * low) / np.sum(weights * energy[: low.size]))
-            drift = None if problem.walk is None else 1e-3 * float(low.mean()) / float(problem.walk[0])
-            found.append(Contact(births=level, diameter=size, shape=shape, noise=noise, drift=drift))
+            start = Contact(births=1.0, diameter=factor * size, shape=shape, noise=noise, drift=drift)
+            energy = problem.population_bands(start)[0, : low.size]
+            found.append(replace(start, births=float(np.sum(weights * low) / np.sum(weights * energy))))
     return found
 
 
@@ -212,14 +217,9 @@ def whittle(problem: FitProblem, diameter: float, noise: float) -> tuple[Contact
     def first_worth(start: Contact) -> float:
         return deviance(problem.bands, problem.expected(start).mean, _within(problem, start, _REACHES[0]))
 
-    arrived: list[Contact] = []
+    arrived = []
     for found in sorted(starts(problem, diameter, noise), key=first_worth)[:_STARTS_REFINED]:
-        for reach in _REACHES:
-            found, _ = climb(problem, found, reach)  # noqa: PLW2901  (each stage begins where the last one ended)
-        # within a small part of a period of the oscillation, two points lead to one minimum
-        if not any(
-            abs(log(found.diameter / other.diameter)) < _SAME and abs(found.shape - other.shape) <= _SAME * other.shape
-            for other in arrived
-        ):
-            arrived.append(found)
-    return min((climb(problem, found) for found in arrived), key=lambda each: each[1])
+        for reach in (*_REACHES, inf):
+            found, worth = climb(problem, found, reach)  # noqa: PLW2901  (each stage begins where the last one ended)
+        arrived.append((found, worth))
+    return min(arrived, key=lambda each: each[1])

@@ -79,17 +79,11 @@ def spectrum_test(fit: Fit) -> HonestyTest:
     """
     from scipy.special import gammaincc
 
-    bands = fit.problem.bands
-    extra = fit.residual.size - bands.energy.size
-    mean = fit.expected.mean
-    left = fit.scatter - fit.by @ fit.covariance @ fit.by.T
-    left = left[extra:, extra:] / np.outer(mean, mean)
-    relative = fit.residual[extra:] / mean
-    averaging = _groups(bands)
-    whole = averaging @ (fit.scatter[extra:, extra:] / np.outer(mean, mean)) @ averaging.T
-    spread, variance = averaging @ left @ averaging.T, whole.diagonal()
+    averaging = _groups(fit.problem.bands) / fit.expected.mean
+    left = fit.scatter - fit.expected.by @ fit.covariance @ fit.expected.by.T
+    spread, variance = averaging @ left @ averaging.T, (averaging @ fit.scatter @ averaging.T).diagonal()
     # Wilson and Hilferty (1931): the cube root of a mean of energies is normal where the mean itself is still skew.
-    value = 3.0 * (np.cbrt(np.maximum(1.0 + averaging @ relative, 0.0)) - 1.0 + variance / 9.0)
+    value = 3.0 * (np.cbrt(np.maximum(1.0 + averaging @ fit.residual, 0.0)) - 1.0 + variance / 9.0)
     scale = np.sqrt(variance)
     sizes, axes = np.linalg.eigh(spread / np.outer(scale, scale))
     held = sizes > max(_RANK * float(sizes.max()), 1e-4)
@@ -108,24 +102,17 @@ def spectrum_test(fit: Fit) -> HonestyTest:
 def _groups(bands: Bands) -> Doubles:
     """Return a matrix that averages bands into groups of equal width in ln k, each worth at least 16 values."""
     place = np.log(bands.wavenumber)
-    edges = np.linspace(place[0], place[-1], _GROUPS + 1)[1:-1]
-    number = np.searchsorted(edges, place, side="right")
-    groups: list[list[int]] = []
-    worth = np.inf
-    last = -1
-    for band, group in enumerate(number.tolist()):
-        if group != last and worth >= _LIGHTEST_GROUP:
-            groups.append([])
-            worth = 0.0
-        last = group
-        groups[-1].append(band)
-        worth += float(bands.weight[band])
-    if len(groups) > 1 and bands.weight[groups[-1]].sum() < _LIGHTEST_GROUP:
-        groups[-2] += groups.pop()
-    matrix = np.zeros((len(groups), bands.energy.size))
-    for row, members in zip(matrix, groups, strict=True):
-        row[members] = bands.weight[members] / bands.weight[members].sum()
-    return matrix
+    number = np.searchsorted(np.linspace(place[0], place[-1], _GROUPS + 1)[1:-1], place, side="right")
+    owner, worth, last = np.zeros_like(number), np.inf, -1
+    for group in np.unique(number):
+        if worth >= _LIGHTEST_GROUP:
+            last, worth = last + 1, 0.0
+        owner[number == group] = last
+        worth += float(bands.weight[number == group].sum())
+    if last > 0 and worth < _LIGHTEST_GROUP:
+        owner[owner == last] = last - 1
+    weights = np.where(owner == np.unique(owner)[:, None], bands.weight, 0.0)
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True), dtype=np.float64)
 
 
 def _reversal_test(values: Doubles, level: Doubles, diameter: float) -> HonestyTest:

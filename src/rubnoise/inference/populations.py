@@ -69,6 +69,10 @@ class Population:
         change = _SHAPE_STEP * shape
         return (self.moment(power, shape + change) - self.moment(power, shape - change)) / (2.0 * change)
 
+    def by_shape(self, power: int, shape: float) -> float:
+        """Return d ln E[d^n] / d ln s."""
+        return shape * self.moment_slope(power, shape) / self.moment(power, shape)
+
     def relative_spread(self, shape: float) -> float:
         """Return std over mean of the law as it is drawn."""
         return sqrt(max(self.moment(2, shape) - 1.0, 0.0))
@@ -144,9 +148,9 @@ def _density(population: Population, shape: float, log_diameters: Doubles) -> Do
 class EnergyTable:
     """The mean energy e(z) = E[x^6 a^(z x)^2] of sizes x of unit mean, at z = k E[d].
 
-    ``rows`` are e, its first and second derivative by ln z, and its derivative by the shape, times 1 + z^p, at even
-    steps of ln z; ``zero`` is e(0), and e goes as ``tail`` / z^p, p the ``power``: of the lens (4/9) E[x^6], 4 E[x^2]
-    and 4.
+    ``rows`` are e, its first and second derivative by ln z, and its derivative by the shape, times 1 + z^p, as cubic
+    splines with even steps of ln z; ``zero`` is e(0), and e goes as ``tail`` / z^p, p the ``power``: of the lens
+    (4/9) E[x^6], 4 E[x^2] and 4.
     """
 
     rows: Doubles
@@ -157,36 +161,19 @@ class EnergyTable:
     tail_by_shape: float
 
     def at(self, phase: Doubles) -> Doubles:
-        """Return e, de/dln z, d2e/dln z^2 and de/ds at phases (a row each); below the table e(0), above it its tail."""
-        scale = 1.0 + phase**self.power
+        """Return e, de/dln z, d2e/dln z^2 and de/ds at phases (a row each), beyond the table as at its end."""
+        from scipy.ndimage import map_coordinates
+
         place = (np.log(np.maximum(phase, 1e-300)) - _LOWEST) / STEP
-        first = np.clip(np.floor(place).astype(np.int64), 1, self.rows.shape[1] - 3)
-        t = np.clip(place - first, 0.0, 1.0)
-        # Lagrange's polynomial through four neighbours.
-        weights = np.stack(
-            [
-                -t * (t - 1.0) * (t - 2.0) / 6.0,
-                (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-                -(t + 1.0) * t * (t - 2.0) / 2.0,
-                (t + 1.0) * t * (t - 1.0) / 6.0,
-            ],
-            axis=-1,
-        )
-        neighbours = np.lib.stride_tricks.sliding_window_view(self.rows, 4, axis=1).swapaxes(0, 1)
-        found: Doubles = np.einsum("...rk,...k->r...", neighbours[first - 1], weights) / scale
-        beyond = place > self.rows.shape[1] - 2
-        if beyond.any():
-            falling = phase[beyond] ** -float(self.power)
-            found[0, beyond] = self.tail * falling
-            found[1, beyond] = -self.power * self.tail * falling
-            found[2, beyond] = self.power**2 * self.tail * falling
-            found[3, beyond] = self.tail_by_shape * falling
-        return found
+        found = [map_coordinates(row, place[None], order=3, mode="nearest", prefilter=False) for row in self.rows]
+        return np.stack(found) / (1.0 + phase**self.power)
 
 
 @lru_cache(maxsize=64)
 def energy_table(name: str, shape: float, pulse: Pulse = LENS) -> EnergyTable:
     """Return the mean energies of a population with a shape."""
+    from scipy.ndimage import spline_filter1d
+
     population = POPULATIONS[name]
     z = np.exp(_LOG_PHASES)
     if name == "fixed":
@@ -202,8 +189,9 @@ def energy_table(name: str, shape: float, pulse: Pulse = LENS) -> EnergyTable:
     scaled = energy * (1.0 + raised)
     first = _slope(scaled) - power * raised / (1.0 + raised) * scaled
     second = (1.0 + raised) * _slope(first / (1.0 + raised))
+    rows = np.stack([scaled, first, second, by_shape * (1.0 + raised)])
     return EnergyTable(
-        rows=np.stack([scaled, first, second, by_shape * (1.0 + raised)], axis=-1).T,
+        rows=spline_filter1d(rows, order=3, axis=1, mode="mirror"),
         zero=pulse.integral_moment(2) * population.moment(6, shape),
         tail=factor * population.moment(6 - power, shape),
         power=power,

@@ -47,15 +47,11 @@ class Given:
         return ("births", "strength") if self.strength is None else ("births", "inequality")
 
 
-_IN_BANDS = {"births": 1.0, "strength": 2.0, "inequality": 1.0}
-_IN_MEAN = {"births": 1.0, "strength": 1.0, "inequality": 0.0}
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Fit:
     """A fitted contact: the ``names`` of its parameters, whose logarithms have the ``covariance``.
 
-    ``residual`` is of mean (if known) and bands, ``scatter`` the covariance of these, ``by`` their derivatives.
+    ``residual`` is that of the bands, ``scatter`` its covariance.
     """
 
     problem: FitProblem = field(repr=False)
@@ -66,7 +62,6 @@ class Fit:
     expected: Expected
     residual: Doubles
     scatter: Doubles
-    by: Doubles
 
     def __repr__(self) -> str:
         return fields_as_text(self)
@@ -82,14 +77,7 @@ class Fit:
 
     def by_shape(self, power: int) -> float:
         """Return d ln E[x^n] / d ln s."""
-        shape = self.contact.shape
-        return shape * self.problem.population.moment_slope(power, shape) / self.moment(power)
-
-
-def expected_mean(problem: FitProblem, contact: Contact) -> float:
-    """Return lam E[psi] c_1 E[d^3], Campbell's mean."""
-    third = problem.population.moment(3, contact.shape)
-    return contact.births * contact.strength * problem.pulse.life_integral(1) * third * contact.diameter**3
+        return self.problem.population.by_shape(power, self.contact.shape)
 
 
 def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: float = 0.0) -> Doubles:
@@ -111,7 +99,7 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
     first = np.outer(diameters**3, first_integrals(problem.pulse)).ravel()
     chance = np.outer(probability, offsets(problem.pulse)[1]).ravel()
     # Scaled to the bands' own expectation, which knows of aliases, of the sensor and of the widths of bands.
-    expected = problem.expectation.population(problem.table(contact.shape), contact.diameter)[0]
+    expected = problem.population_bands(contact)[0]
     each *= (expected / (each @ chance))[:, None]
     psi, w = contact.strength, contact.inequality
     f = np.vstack([psi * first, psi**2 * each])
@@ -136,16 +124,13 @@ def score(problem: FitProblem, start: Contact, known: Given, *, steps: int = STE
     point, so the estimate has the covariance (D' Sigma^-1 D)^-1. Without ``steps`` the contact is that of the start.
     Source: Godambe and Heyde (1987), doi:10.2307/1403403; a sandwich (Huber 1967) whose two slices are equal.
     """
-    contact = _begun(problem, start, known)
-    first = 0 if known.mean is not None else 1
+    contact, bands = _begun(problem, start, known), problem.bands
+    rows = slice(1 if known.mean is None else 0, None)
     for left in range(steps, -1, -1):
-        expected = problem.expected(contact)
-        names, by = _derivatives(problem, contact, expected, known)
-        mean = expected_mean(problem, contact)
-        measured = np.concatenate([[mean if known.mean is None else known.mean], problem.bands.energy])
-        residual = (measured - np.concatenate([[mean], expected.mean]))[first:]
-        by = by[first:]
-        scatter = covariance(problem, contact, expected.mean, known.ramp)[first:, first:]
+        expected = problem.expected(contact, known.free)
+        names, by = expected.names, np.vstack([expected.level_by, expected.by])[rows]
+        residual = np.concatenate([[(known.mean or 0.0) - expected.level], bands.energy - expected.mean])[rows]
+        scatter = covariance(problem, contact, expected.mean, known.ramp)[rows, rows]
         scale = np.sqrt(scatter.diagonal())
         root = np.linalg.cholesky(scatter / np.outer(scale, scale) + _RIDGE * np.eye(scale.size))
         white = np.linalg.solve(root, np.column_stack([by, residual]) / scale[:, None])
@@ -161,6 +146,7 @@ def score(problem: FitProblem, start: Contact, known: Given, *, steps: int = STE
         if left == 0 or float(step @ information @ step) < _CLOSE:
             break
         contact = problem.moved(contact, names, step)
+    of_bands = slice(residual.size - bands.energy.size, None)
     return Fit(
         problem=problem,
         contact=contact,
@@ -168,9 +154,8 @@ def score(problem: FitProblem, start: Contact, known: Given, *, steps: int = STE
         names=names,
         covariance=inverse,
         expected=expected,
-        residual=residual,
-        scatter=scatter,
-        by=by,
+        residual=residual[of_bands],
+        scatter=scatter[of_bands, of_bands],
     )
 
 
@@ -185,23 +170,3 @@ def _begun(problem: FitProblem, start: Contact, known: Given) -> Contact:
     strength = start.rate / (sum_of_strengths * w) if strength is None else strength
     inequality = start.rate / (sum_of_strengths * strength)
     return replace(start, births=sum_of_strengths / strength, strength=strength, inequality=inequality)
-
-
-def _derivatives(
-    problem: FitProblem, contact: Contact, expected: Expected, known: Given
-) -> tuple[tuple[str, ...], Doubles]:
-    """Return the names of the parameters, and the derivatives of mean and bands by their logarithms."""
-    own = known.free
-    by = np.zeros((expected.mean.size + 1, len(own) + len(expected.names) - 1))
-    mean = expected_mean(problem, contact)
-    for column, name in enumerate(own):
-        by[0, column] = _IN_MEAN[name] * mean
-        by[1:, column] = _IN_BANDS[name] * expected.by[:, 0]
-    by[1:, len(own) :] = expected.by[:, 1:]
-    names = (*own, *expected.names[1:])
-    by[0, names.index("diameter")] = 3.0 * mean
-    if "shape" in names:
-        population, shape = problem.population, contact.shape
-        by_shape = shape * population.moment_slope(3, shape) / population.moment(3, shape)  # d ln E[x^3] / d ln s
-        by[0, names.index("shape")] = mean * by_shape
-    return names, by
