@@ -12,9 +12,8 @@ from pathlib import Path
 
 from parts import filled, parts_of
 
-from rubnoise.scenario.document import SECTIONS, TOP, presence
+from rubnoise.scenario.document import SECTIONS, TOP, Sweeping, presence
 from rubnoise.scenario.fields import Choice, Key, Measure, Number, Parts, Sizes, about_of, keys_of
-from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rubnoise.runs.sweep import AdaptiveReplicates
+from rubnoise.scenario.document import FEWEST, SWEEP_RUNS, Sweeping
 from rubnoise.scenario.sweep import Point, Sweep, points_of
-from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS, Sweeping
 from tests.laws.scores import seed_of
 from tests.unit.scenarios import GRID, std_of, sweep_of, sweep_refusal
 

@@ -9,8 +9,8 @@ from math import erf, exp, inf, isinf, log, pi, sqrt
 from typing import Final
 
 from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.inference.fitting import Fit, Given
 from rubnoise.inference.passes import Sensor
-from rubnoise.inference.scoring import Fit, Given
 from rubnoise.inference.signal import Signal
 
 Z: Final = 1.959963984540054

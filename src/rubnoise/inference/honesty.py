@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
+from rubnoise.inference.fitting import RAMP_VARIANCE, Fit
 from rubnoise.inference.passes import first_integrals, life_integrals, offsets, passed
 from rubnoise.inference.periodogram import Bands, masked_bins
 from rubnoise.inference.populations import shot_sizes
-from rubnoise.inference.scoring import RAMP_VARIANCE, Fit
 from rubnoise.inference.signal import ramp_of
 
 _GROUPS = 14

@@ -20,12 +20,11 @@ from rubnoise.inference.estimates import (
     estimates_of,
     widened,
 )
-from rubnoise.inference.fitting import Contact, FitProblem, deviance, whittle
+from rubnoise.inference.fitting import STEPS, Contact, Fit, FitProblem, Given, covariance, deviance, score, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
 from rubnoise.inference.passes import passed
 from rubnoise.inference.periodogram import Bands, banded
 from rubnoise.inference.populations import POPULATIONS, shot_sizes
-from rubnoise.inference.scoring import STEPS, Fit, Given, covariance, score
 from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, ramp_of, strokes
 
 LAWS: Final = tuple(POPULATIONS)

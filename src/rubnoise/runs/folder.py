@@ -22,9 +22,9 @@ from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.runs.making import describe, play
+from rubnoise.scenario.document import Keep
 from rubnoise.scenario.scenario import Scenario, flattened
 from rubnoise.scenario.sweep import Point, Sweep, in_words, name_of, points_of, run_id
-from rubnoise.scenario.sweep_keys import Keep
 from rubnoise.simulation.draws import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch

@@ -14,11 +14,10 @@ from rubnoise.errors import RunFileRefused, in_few
 from rubnoise.figure_names import DONE, FAILED, FIGURE_NAMES, PLANNED
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import Figures, file_of
-from rubnoise.scenario.document import SECTIONS
+from rubnoise.scenario.document import SECTIONS, Keep
 from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep import Point, Sweep
-from rubnoise.scenario.sweep_keys import Keep
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.layout import now, package_version
 from rubnoise.storage.schema import Dataset

@@ -20,8 +20,8 @@ from rubnoise.runs import executors
 from rubnoise.runs.executors import Attempts, Outcome
 from rubnoise.runs.folder import RUNS, Figures, Shard, check_folder, check_room, check_strangers, file_of, found, made
 from rubnoise.runs.index import index_of, known_runs
+from rubnoise.scenario.document import Sweeping
 from rubnoise.scenario.sweep import Case, Point, Sweep, points_of
-from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.storage.index import index_bytes
 from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import OutputInUse, whole_file

@@ -8,11 +8,19 @@ from typing import Any, Final
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import OFF_CENTRE
-from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Document, Interface, Sliding, presence
+from rubnoise.scenario.document import (
+    SECTIONS,
+    STRENGTH_LAWS,
+    SWEEP,
+    TOP,
+    Document,
+    Sliding,
+    Sweeping,
+    presence,
+)
 from rubnoise.scenario.fields import Key, did_you_mean, keys_of
 from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES
 from rubnoise.scenario.scenario import CONTACT, RAYLEIGH, completed
-from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
 from rubnoise.scenario.text import Layers, Path, Problem, toml_value
 from rubnoise.units import LENGTH, RATIO, Quantity, Unfit
 
@@ -26,15 +34,13 @@ KNOWN: Final[Mapping[str, tuple[str, ...]]] = {
 
 _OWN_SCALE: Final = ("empirical", "power")
 _ANY_DISTANCE: Final = Sliding(distance=Quantity(Fraction(1), LENGTH))
-_LAWS: Final = {
+_OF_LAW: Final = {
     name: (*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters), *entry.own_keys)
-    for name, entry in LAWS.items()
+    for name, entry in {**LAWS, **STRENGTH_LAWS}.items()
 }
 OWN_KEYS: Final[Mapping[tuple[str, str], Mapping[str, Collection[str]]]] = {
-    ("diameter", "law"): _LAWS,
-    ("strength", "law"): {
-        ONE_STRENGTH if name == "fixed" else name: own for name, own in _LAWS.items() if not LAWS[name].own_keys
-    },
+    ("diameter", "law"): {name: _OF_LAW[name] for name in LAWS},
+    ("strength", "law"): {name: _OF_LAW[name] for name in STRENGTH_LAWS},
     ("birth", "law"): {name: [each.name for each in entry.parameters] for name, entry in BIRTHS.items()},
     ("slider", "excitation"): {
         "friction": (),
@@ -49,7 +55,7 @@ OWN_KEYS: Final[Mapping[tuple[str, str], Mapping[str, Collection[str]]]] = {
 NOT_NEEDED: Final = {"heights", "cells", "restitution", "impact_damping"}.union(
     *(law.optional for law in LAWS.values())
 )
-INSTEAD: Final = {name: entry.with_spread for name, entry in LAWS.items()} | {ONE_STRENGTH: LAWS["fixed"].with_spread}
+INSTEAD: Final = {name: entry.with_spread for name, entry in {**LAWS, **STRENGTH_LAWS}.items()}
 """The law to advise in place of one that takes no spread."""
 
 
@@ -66,7 +72,11 @@ def read(layers: Layers) -> tuple[Document, set[str], list[Problem]]:
     problems = [*unsound, *(each for each in _rule_problems(layers) if each.path[0] not in broken)]
     wrong = broken | {str(each.path[0]) for each in problems if each.is_missing or each in unsound}
     needed: dict[str, Any] = {name: {} for name in SECTIONS if presence(name) == "needed"}
-    right: dict[str, Any] = {"format": FORMAT, "interface": Interface(), "sliding": _ANY_DISTANCE}
+    right: dict[str, Any] = {
+        "format": TOP["format"].sample,
+        "interface": SECTIONS["interface"](),
+        "sliding": _ANY_DISTANCE,
+    }
     for name, given in {**needed, **layers.data}.items():
         if name in TOP:
             right |= values_of(TOP, layers, (), {name: given}, problems)
@@ -89,7 +99,7 @@ def read(layers: Layers) -> tuple[Document, set[str], list[Problem]]:
     both = {"interface", "diameter"}
     if wrong & both and "mean" in layers.table("diameter"):
         wrong |= both  # area or count follow from the diameter
-        right |= {"interface": Interface(), "diameter": SECTIONS["diameter"]()}
+        right |= {name: SECTIONS[name]() for name in both}
     return Document(**right), wrong, problems
 
 

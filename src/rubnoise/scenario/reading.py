@@ -14,10 +14,9 @@ from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import CELLS
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
-from rubnoise.scenario.document import SECTIONS, TOP
+from rubnoise.scenario.document import SECTIONS, SWEEP, TOP
 from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
 from rubnoise.scenario.scenario import Scenario, sized
-from rubnoise.scenario.sweep_keys import SWEEP
 from rubnoise.scenario.text import Layers, Problem, in_order, report
 from rubnoise.units import Unfit
 

@@ -120,7 +120,11 @@ class Scenario(sections.Document):
         """
         tables = {
             name: {
-                key: _plain(value)
+                key: value.as_text()
+                if isinstance(value, Quantity)
+                else list(value)
+                if isinstance(value, tuple)
+                else value
                 for key in keys_of(type(section))
                 if (value := getattr(section, key)) is not None and not (key == "calibration" and self.diameter.mean)
             }
@@ -148,13 +152,6 @@ def flattened(resolved: Mapping[str, Any]) -> dict[str, Any]:
         tables = isinstance(value, Mapping) and value
         found |= {f"{name}.{key}": each for key, each in value.items()} if tables else {name: value}
     return found
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON reads it back, so that the stored value equals it."""
-    if isinstance(value, Quantity):
-        return value.as_text()
-    return list(value) if isinstance(value, tuple) else value
 
 
 _ROUNDING, _STEPS = 1e-14, 300
@@ -206,24 +203,16 @@ def sizes_of(document: sections.Document, diameter: float) -> Law:
 def spread_of(quantity: sections.Diameter | sections.Strength) -> Spread:
     """Return the law of a quantity about its centre, with an absolute or a relative spread."""
     law = "fixed" if quantity.law == sections.ONE_STRENGTH else quantity.law
-    own = tuple((each.name, getattr(quantity, each.name)) for each in LAWS[law].parameters)
-    if isinstance(quantity, sections.Diameter) and LAWS[law].own_keys:
-        own = _lists(quantity)
+    own = {each.name: getattr(quantity, each.name) for each in LAWS[law].parameters}
+    if isinstance(quantity, sections.Diameter) and law == "mixture":
+        weights = quantity.weights or ()
+        own = {"weights": tuple(weight / fsum(weights) for weight in weights)}
+        own["parts"] = tuple((LAWS[part["law"]], part["mean"], ratio_of(part)) for part in quantity.parts or ())
+    elif isinstance(quantity, sections.Diameter) and law == "empirical":
+        own = {"values": quantity.values, "sampled": quantity.sampled or "born"}
     spread = quantity.spread
-    if spread is None:
-        return Spread(law=law, parameters=own)
-    if spread.kind == RATIO:
-        return Spread(relative=float(spread), law=law, parameters=own)
-    return Spread(absolute=float(spread), law=law, parameters=own)
-
-
-def _lists(sizes: sections.Diameter) -> tuple[tuple[str, Any], ...]:
-    """Return the lists of a mixture or of measured values in the form that their laws take."""
-    if sizes.law == "empirical":
-        return ("values", sizes.values), ("sampled", sizes.sampled or "born")
-    given, weights = sizes.parts or (), sizes.weights or ()
-    parts = tuple((LAWS[part["law"]], part["mean"], ratio_of(part)) for part in given)
-    return ("weights", tuple(weight / fsum(weights) for weight in weights)), ("parts", parts)
+    size = {} if spread is None else {"relative" if spread.kind == RATIO else "absolute": float(spread)}
+    return Spread(law=law, parameters=tuple(own.items()), **size)
 
 
 def default_tick(diameter: float) -> Quantity:

@@ -15,12 +15,11 @@ import numpy as np
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import layers
-from rubnoise.scenario.document import SECTIONS
+from rubnoise.scenario.document import SECTIONS, SWEEP, Keep, Sweeping
 from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.keys import ZIP
 from rubnoise.scenario.reading import ReadSizes, examined, load
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep_keys import SWEEP, Keep, Sweeping
 from rubnoise.scenario.sweep_table import choices, read_table
 from rubnoise.scenario.text import Layers, Problem, in_order, report
 from rubnoise.tables import fields_as_text
@@ -43,17 +42,12 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Point:
-    """One run of a sweep: its swept values as written, the number of its replicate, its name, seed and scenario.
+class Point(Case):
+    """One run of a sweep: a case with the number of its replicate (from 0), its name, and its seed in the scenario."""
 
-    The scenario has the seed, too; replicates are counted from 0.
-    """
-
-    values: Mapping[str, Any]
     replicate: int
     run_id: str
     seed: int
-    scenario: Scenario
 
 
 def points_of(cases: Iterable[Case], replicates: int, first: int = 0) -> tuple[Point, ...]:
@@ -96,18 +90,16 @@ def canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
     Defaults are left out so that a key of a later version, with its default, changes no name and no seed. A calibration
     is left out if it is exact, the first default, or does what exact does: matched, for equal diameters.
     """
-    left_out = {"exact", "matched"} if resolved["diameter"]["law"] == "fixed" else {"exact"}
-    kept = {}
-    for name, value in resolved.items():
-        inside = value
+    left_out = ("exact", "matched") if resolved["diameter"]["law"] == "fixed" else ("exact",)
+    kept = {name: value for name, value in resolved.items() if name not in without}
+    for name, value in kept.items():
         if isinstance(value, dict):
-            known = keys_of(SECTIONS[name])
-            inside = {key: each for key, each in value.items() if key not in _NOT_THE_SIZES}
-            inside = {key: each for key, each in inside.items() if key == "calibration" or each != known[key].default}
-        if name == "interface" and inside.get("calibration") in left_out:
-            del inside["calibration"]
-        if name not in without and inside != {}:
-            kept[name] = inside
+            known: dict[str, tuple[Any, ...]] = {
+                key: (about.default,) for key, about in keys_of(SECTIONS[name]).items()
+            }
+            known |= {"calibration": left_out} | {key: (value.get(key),) for key in _NOT_THE_SIZES}
+            kept[name] = {key: each for key, each in value.items() if each not in known[key]}
+    kept = {name: value for name, value in kept.items() if value != {}}
     return json.dumps(kept, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()
 
 

@@ -7,10 +7,9 @@ from math import prod
 from typing import Any, Final
 
 from rubnoise.scenario import keys
-from rubnoise.scenario.document import SECTIONS
+from rubnoise.scenario.document import FEWEST, SECTIONS, SWEEP, SWEEP_RUNS, Sweeping
 from rubnoise.scenario.fields import did_you_mean, keys_of
 from rubnoise.scenario.keys import GRID, ZIP
-from rubnoise.scenario.sweep_keys import FEWEST, SWEEP, SWEEP_RUNS, Sweeping
 from rubnoise.scenario.text import Layers, Path, Problem
 
 SWEEP_POINTS: Final = 10_000

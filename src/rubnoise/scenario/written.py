@@ -5,27 +5,12 @@ from collections.abc import Iterator, Mapping
 from textwrap import wrap
 from typing import Any, Final
 
-from rubnoise.scenario import layers
-from rubnoise.scenario.document import SECTIONS, TOP, Document, presence
-from rubnoise.scenario.fields import (
-    LAWS_OF_PARTS,
-    MOST,
-    TITLE_CHARACTERS,
-    Choice,
-    Field,
-    Key,
-    Measure,
-    Number,
-    Parts,
-    Section,
-    Sizes,
-    about_of,
-    keys_of,
-)
+from rubnoise.scenario import fields, layers
+from rubnoise.scenario.document import SECTIONS, SWEEP, TOP, Document, Sweeping, presence
+from rubnoise.scenario.fields import Choice, Field, Key, Measure, Number, Parts, Section, Sizes, about_of, keys_of
 from rubnoise.scenario.keys import GRID
 from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES
 from rubnoise.scenario.shipped import shipped
-from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
 from rubnoise.scenario.sweep_table import SWEPT
 from rubnoise.scenario.text import text_of, toml_value
 from rubnoise.units import NUMBER
@@ -146,11 +131,11 @@ def _schema(kind: Field) -> dict[str, Any]:
     if isinstance(kind, Choice):
         return {"enum": list(kind.available)}
     if isinstance(kind, Sizes):
-        return {"type": "array", "minItems": 1, "maxItems": MOST, "items": size}
+        return {"type": "array", "minItems": 1, "maxItems": fields.MOST, "items": size}
     if isinstance(kind, Parts):
-        part = _object_with({"law": {"enum": list(LAWS_OF_PARTS)}, "mean": size, "spread": {"type": "string"}})
+        part = _object_with({"law": {"enum": list(fields.LAWS_OF_PARTS)}, "mean": size, "spread": {"type": "string"}})
         return {"type": "array", "minItems": 1, "items": part | {"required": ["law", "mean"]}}
-    return {"type": "string", "maxLength": TITLE_CHARACTERS}
+    return {"type": "string", "maxLength": fields.TITLE_CHARACTERS}
 
 
 def _sweep_table() -> dict[str, Any]:
