@@ -20,10 +20,7 @@ INDEX: Final = "index.h5"
 """What the folder of a sweep has its index in."""
 
 MOST_INPUT_BYTES: Final = 1 << 32
-
 PIECE_BYTES = 1 << 20
-
-
 _READING = os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY
 
 
@@ -43,20 +40,15 @@ def open_regular(path: str | os.PathLike[str]) -> int:
     """Return a descriptor of a regular file, for reading; raises NotRegular, or OSError if it cannot be opened."""
     if os.fspath(path) == STANDARD_INPUT:
         return os.open(_standard_input().name, _READING)
-    try:
-        # Opening a device can already do something, so the path is checked first, and checked again when it is open.
-        _check(Path(path).stat(), path)
-        descriptor = os.open(path, _READING)
+    try:  # Opening a device can already do something, so the path is checked first.
+        regular = stat.S_ISREG(Path(path).stat().st_mode)
     except ValueError as problem:
         # The words of this error differ between versions of Python.
         reason = "embedded null byte" if "\0" in os.fspath(path) else str(problem)
         raise OSError(errno.EINVAL, reason, os.fspath(path)) from problem
-    try:
-        _check(os.fstat(descriptor), path)
-    except BaseException:
-        os.close(descriptor)
-        raise
-    return descriptor
+    if not regular:
+        raise NotRegular(path)
+    return os.open(path, _READING)
 
 
 def open_stream(path: str | os.PathLike[str]) -> BinaryIO:
@@ -109,11 +101,6 @@ def _standard_input() -> "tempfile._TemporaryFileWrapper[bytes]":
             raise OSError(errno.EFBIG, "is longer than 4 GiB", STANDARD_INPUT)
     file.flush()
     return file
-
-
-def _check(about: os.stat_result, path: str | os.PathLike[str]) -> None:
-    if not stat.S_ISREG(about.st_mode):
-        raise NotRegular(path)
 
 
 LARGEST = 1 << 30

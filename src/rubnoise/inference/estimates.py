@@ -4,7 +4,7 @@ Intervals are for one law, or for all laws that are not distinguished.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import erf, exp, inf, isinf, log, pi, sqrt
 from typing import Final
 
@@ -73,33 +73,32 @@ def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> d
     A law of one spread, such as exponential, has an estimate of it only if laws are ``compared``: alone, its spread is
     an assumption.
     """
-    contact, tick = fit.contact, signal.tick
-    found = {"diameter": _positive(contact.diameter * tick, fit.error({"diameter": 1.0}), "um")}
+    contact, tick, pulse, free = fit.contact, signal.tick, fit.problem.pulse, fit.known.free
+    found = {"diameter": _positive(fit, contact.diameter * tick, "um", diameter=1.0)}
     if fit.problem.population.spread or compared:
         found["relative_spread"] = _spread(fit)
     found["noise"] = _noise(fit, scale, signal.unit)
-    free = fit.known.free
     if free != ("strength",):
-        count = fit.problem.pulse.mean_life * contact.births * contact.diameter
-        found["junction_count"] = _positive(count, fit.error({"births": 1.0, "diameter": 1.0}), "1")
+        count = pulse.mean_life * contact.births * contact.diameter
+        found["junction_count"] = _positive(fit, count, "1", births=1.0, diameter=1.0)
     if "births" in free:
-        area = contact.births * fit.problem.pulse.life_integral(1) * fit.moment(3) * contact.diameter**3 * tick**2
+        area = contact.births * pulse.life_integral(1) * fit.moment(3) * contact.diameter**3 * tick**2
         powers = {"births": 1.0, "diameter": 3.0, "shape": fit.by_shape(3)}
-        found["mean_real_contact_area"] = _positive(area, fit.error(powers), "um^2")
+        found["mean_real_contact_area"] = _positive(fit, area, "um^2", **powers)
     if signal.scale is not None and "strength" in free and "births" in free and not signal.is_area:
-        unit = scale * signal.scale / tick**2
-        found["shear_strength"] = _positive(contact.strength * unit, fit.error({"strength": 1.0}), "MPa")
+        strength = contact.strength * scale * signal.scale / tick**2
+        found["shear_strength"] = _positive(fit, strength, "MPa", strength=1.0)
     if "inequality" in free and not signal.is_area:
         found["strength_spread"] = _strength_spread(contact.inequality, fit.error({"inequality": 1.0}))
     return found
 
 
-def _positive(value: float, error: float, unit: str) -> Estimate:
-    """Return an estimate whose logarithm has an error."""
+def _positive(fit: Fit, value: float, unit: str, **powers: float) -> Estimate:
+    """Return an estimate whose logarithm has the error of these powers of parameters."""
+    error = fit.error(powers)
     reach = min(Z * error, 700.0)
-    return Estimate(
-        value=value, standard_error=value * error, interval=(value * exp(-reach), value * exp(reach)), unit=unit
-    )
+    interval = (value * exp(-reach), value * exp(reach))
+    return Estimate(value=value, standard_error=value * error, interval=interval, unit=unit)
 
 
 def _spread(fit: Fit) -> Estimate:
@@ -112,18 +111,17 @@ def _spread(fit: Fit) -> Estimate:
         return Estimate(value=0.0, standard_error=0.0, interval=(0.0, value), unit="1")
     step = 1e-4 * shape
     slope = (population.relative_spread(shape + step) - population.relative_spread(shape - step)) / (2.0 * step)
-    log_error = fit.error({"shape": 1.0}) * shape * slope / value
-    if log_error <= _AS_LARGE:
-        return _positive(value, log_error, "1")
-    reach = Z * value * log_error
-    interval = (max(0.0, value - reach), value + reach)
-    return Estimate(value=value, standard_error=value * log_error, interval=interval, unit="1")
+    found = _positive(fit, value, "1", shape=shape * slope / value)
+    if found.standard_error <= _AS_LARGE * value:
+        return found
+    reach = Z * found.standard_error
+    return replace(found, interval=(max(0.0, value - reach), value + reach))
 
 
 def _noise(fit: Fit, scale: float, unit: str) -> Estimate:
     if "noise" not in fit.names:
         return Estimate(value=0.0, standard_error=0.0, interval=(0.0, sqrt(fit.problem.floor) * scale), unit=unit)
-    return _positive(sqrt(fit.contact.noise) * scale, 0.5 * fit.error({"noise": 1.0}), unit)
+    return _positive(fit, sqrt(fit.contact.noise) * scale, unit, noise=0.5)
 
 
 def _strength_spread(inequality: float, error: float) -> Estimate:

@@ -189,8 +189,7 @@ def _third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
     """
     b, a = _leans_on(fit)
     variance = max(1.0 - fit.contact.noise, 1e-12)
-    third = third_cumulant(values, np.broadcast_to(mean, values.shape))
-    length = values.size // _BLOCKS
+    third, length = third_cumulant(values, np.asarray(mean)), values.size // _BLOCKS
     y = values[: _BLOCKS * length].reshape(_BLOCKS, length) - mean
     one, two, three = (np.mean(y**power, axis=1) for power in (1, 2, 3))
     blocks = three - (3.0 + (a * third / mean if a else 0.0)) * one - b * third / variance * two

@@ -8,16 +8,7 @@ from typing import Any, Final
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import OFF_CENTRE
-from rubnoise.scenario.document import (
-    SECTIONS,
-    STRENGTH_LAWS,
-    SWEEP,
-    TOP,
-    Document,
-    Sliding,
-    Sweeping,
-    presence,
-)
+from rubnoise.scenario.document import SECTIONS, STRENGTH_LAWS, SWEEP, TOP, Document, Sliding, Sweeping, presence
 from rubnoise.scenario.fields import Key, did_you_mean, keys_of
 from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES
 from rubnoise.scenario.scenario import CONTACT, RAYLEIGH, completed
@@ -67,10 +58,10 @@ def read(layers: Layers) -> tuple[Document, set[str], list[Problem]]:
     """
     layers = completed(layers)
     paths = [problem.path for problem in layers.problems if problem.path != ("format",)]
-    broken = {str(name) for path in paths for name in (path[:1] if len(path) > 1 else SECTIONS)}
+    broken = {name for path in paths for name in (path[:1] if len(path) > 1 else SECTIONS)}
     unsound = [each for each in _unsound_problems(layers) if each.path[0] not in broken]
     problems = [*unsound, *(each for each in _rule_problems(layers) if each.path[0] not in broken)]
-    wrong = broken | {str(each.path[0]) for each in problems if each.is_missing or each in unsound}
+    wrong = broken | {each.path[0] for each in problems if each.is_missing or each in unsound}
     needed: dict[str, Any] = {name: {} for name in SECTIONS if presence(name) == "needed"}
     right: dict[str, Any] = {
         "format": TOP["format"].sample,
@@ -122,7 +113,7 @@ def values_of(
 
 def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:
     """Return the problem of a missing key, shown at its table, with a right form."""
-    table, key = map(str, path)
+    table, key = path
     about = keys_of(SECTIONS[table])[key]
     form = about.form or f"{key} = {toml_value(about.sample)}"
     where = "" if isinstance(layers.data.get(table), dict) else f" in a table [{table}]"
@@ -259,7 +250,7 @@ def _value(layers: Layers, table: str, key: str) -> Any:
 
 
 def _said_twice(layers: Layers, both: list[Path]) -> Problem:
-    names = " and ".join(str(path[-1]) for path in both)
+    names = " and ".join(path[-1] for path in both)
     places = sorted(((layers.key_place(path), path) for path in both), key=lambda each: (each[0].rank, each[0].line))
     (first, _), (second, path) = places
     where = f"{first.source}:{first.line}" if first.line else first.source

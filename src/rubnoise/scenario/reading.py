@@ -63,15 +63,11 @@ def _with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Pr
         problems = [given.problem((_TABLE, "column" if isinstance(refused, NoColumn) else "file"), str(refused))]
     found = hash_of(values)
     if "hash" in named and table["hash"] != found and not problems:
-        message, hint = (
-            f'the file changed: "{table["file"]}" has',
-            "bring the file back, or take the hash away to use the file as it is",
-        )
-        if "values" in table:
-            message, hint = (
-                "the values beside it have",
-                "take the values away to read the file, or the file to use the values",
-            )
+        message = "the values beside it have"
+        hint = "take the values away to read the file, or the file to use the values"
+        if "values" not in table:
+            message = f'the file changed: "{table["file"]}" has'
+            hint = "bring the file back, or take the hash away to use the file as it is"
         problems = [given.problem((_TABLE, "hash"), f"{message} {found}, not {table['hash']}", hint)]
     filled = {"hash": found, **table, "values": list(values)}
     return replace(given, data={**given.data, _TABLE: filled}), problems

@@ -219,7 +219,7 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
     for values in islice(choices(axes), _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None):
         data: dict[str, Any] = {}
         for axis, value in zip(axes, values, strict=True):
-            data.setdefault(str(axis.path[0]), {})[axis.path[1]] = value
+            data.setdefault(axis.path[0], {})[axis.path[1]] = value
         point = layers.laid(one, Layers(name=given.name, data=data, origins=origins))
         points.append(({axis.key: value for axis, value in zip(axes, values, strict=True)}, *examined(point, read)))
     # What is missing may be meant by a key of the sweep that is not right yet.

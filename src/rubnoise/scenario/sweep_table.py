@@ -30,7 +30,7 @@ class Axis:
     @property
     def key(self) -> str:
         """The key as written in TOML, with dots."""
-        return ".".join(map(str, self.path))
+        return ".".join(self.path)
 
     @property
     def swept_path(self) -> Path:
@@ -134,7 +134,7 @@ def _axes_at_odds(layers: Layers, axes: list[Axis]) -> Iterator[Problem]:
                 yield layers.problem(axis.swept_path, message, "keep one of the two", place=place)
         origin = layers.origins.get(axis.path)
         if origin and origin.kind == "setting":
-            hint = f'to change its values: --set "{".".join(map(str, axis.swept_path))}=[...]"'
+            hint = f'to change its values: --set "{".".join(axis.swept_path)}=[...]"'
             yield layers.problem(axis.path, "the sweep gives it a value at every point", hint, place=origin.key)
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal, NamedTuple
 
-Path = tuple[str | int, ...]
+Path = tuple[str, ...]
 _SHOWN_CHARACTERS = 100
 
 
@@ -273,21 +273,18 @@ def _broken(error: str, lines: list[str], named: _Named, on: _On) -> Problem:
 
 def text_of(scenario: Mapping[str, Any]) -> str:
     """Return the keys of a scenario as the text of a file."""
-    top = [f"{key} = {toml_value(value)}" for key, value in scenario.items() if not isinstance(value, Mapping)]
-    tables = [
-        line for name, table in scenario.items() if isinstance(table, Mapping) for line in _table_lines(name, table)
-    ]
-    return "\n".join([*top, *tables]) + "\n"
+    return "\n".join(_table_lines("", scenario)) + "\n"
 
 
 def _table_lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
     """Yield the keys of a table with simple values, then the tables in it; no key needs quotes."""
     inner = {key: value for key, value in table.items() if isinstance(value, Mapping)}
     plain = {key: value for key, value in table.items() if key not in inner}
-    if plain or not inner:
-        yield from ("", f"[{name}]", *(f"{key} = {toml_value(value)}" for key, value in plain.items()))
+    if name and (plain or not inner):
+        yield from ("", f"[{name}]")
+    yield from (f"{key} = {toml_value(value)}" for key, value in plain.items())
     for key, value in inner.items():
-        yield from _table_lines(f"{name}.{key}", value)
+        yield from _table_lines(f"{name}.{key}" if name else key, value)
 
 
 _IN_A_LINE: Final = 32  # lines of a file have a length at most
