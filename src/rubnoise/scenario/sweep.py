@@ -7,24 +7,23 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from hashlib import sha256
-from itertools import islice
-from typing import Any
+from itertools import chain, islice, product
+from math import prod
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.figure_names import QUANTITIES
-from rubnoise.scenario import layers
-from rubnoise.scenario.document import SECTIONS, SWEEP, Keep, Sweeping
-from rubnoise.scenario.fields import keys_of
-from rubnoise.scenario.keys import ZIP
-from rubnoise.scenario.reading import ReadSizes, examined, load
+from rubnoise.scenario import keys, layers
+from rubnoise.scenario.document import FEWEST, SECTIONS, SWEEP, SWEEP_RUNS, Keep, Sweeping
+from rubnoise.scenario.fields import did_you_mean, keys_of
+from rubnoise.scenario.keys import GRID, ZIP
+from rubnoise.scenario.reading import ReadSizes, checked, examined
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep_table import choices, read_table
-from rubnoise.scenario.text import Layers, Problem, in_order, report
+from rubnoise.scenario.text import Layers, Path, Problem, in_order, report
 from rubnoise.tables import fields_as_text
 
-_ID_DIGITS = 16
 _NOT_THE_CONTACT = ("title", "output", "run")
 """What a scenario says about writing and running: a point keeps its seed when only this changes."""
 _NOT_THE_FIELD = ("coupling", "cells")
@@ -81,7 +80,7 @@ def run_id(scenario: Scenario) -> str:
 def name_of(resolved: Mapping[str, Any], seed: int) -> str:
     """Return the name of a resolved scenario's run with a seed. Neither its title nor its engine changes the name."""
     run = resolved["run"] | {"seed": seed, "engine": keys_of(SECTIONS["run"])["engine"].default}
-    return sha256(canonical({**resolved, "run": run}, without=("title",))).hexdigest()[:_ID_DIGITS]
+    return sha256(canonical({**resolved, "run": run}, without=("title",))).hexdigest()[:16]
 
 
 def canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
@@ -103,8 +102,143 @@ def canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
     return json.dumps(kept, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()
 
 
+SWEEP_POINTS: Final = 10_000
+"""A point takes a millisecond to check, and all are checked before the first runs."""
+
+SWEPT: Final = tuple(f"{name}.{key}" for name in SECTIONS for key in keys.KNOWN[name] if (name, key) != ("run", "seed"))
+"""Every key that may be swept, with dots: all of a scenario but the seed."""
+
+
+class _Axis(NamedTuple):
+    """One swept key: its path in a scenario, the table it is swept in, and its values as written."""
+
+    path: Path
+    table: str
+    values: Any
+
+    @property
+    def key(self) -> str:
+        """The key as written in TOML, with dots."""
+        return ".".join(self.path)
+
+    @property
+    def swept_path(self) -> Path:
+        """The place of the list of values in the file."""
+        return (SWEEP, self.table, *self.path)
+
+
+def _table(given: Layers) -> tuple[Sweeping, list[_Axis], list[Problem]]:
+    """Return what is valid of the sweep in a file, and all its problems.
+
+    Axes are those of the grid first, in the order written: a key of a base file keeps its place.
+    """
+    table = given.data[SWEEP]
+    if not isinstance(table, dict):
+        return Sweeping(), [], [given.problem((SWEEP,), "needs a table", "a line [sweep] with its keys below")]
+    problems: list[Problem] = []
+    settings = Sweeping(**keys.values_of(keys_of(Sweeping), given, (SWEEP,), table, problems))
+    if settings.precision is not None and "replicates" not in table:
+        settings = replace(settings, replicates=FEWEST)
+    problems += () if problems else _at_odds(given, settings)
+    problems += [keys.unknown(given, (SWEEP, name)) for name in table if name not in keys.KNOWN[SWEEP]]
+    axes: list[_Axis] = []
+    order = list(given.origins)
+    for name in (GRID, ZIP):
+        if not isinstance(table.get(name, {}), Mapping):
+            hint = f"a line [{SWEEP}.{name}] with keys below"
+            problems.append(given.problem((SWEEP, name), "needs a table of keys", hint))
+            continue
+        for axis in sorted(_axes(name, table.get(name, {})), key=lambda axis: order.index(axis.swept_path)):
+            refused = _refused(given, axis)
+            problems += [refused] if refused else []
+            axes += [] if refused else [axis]
+    problems += _axes_at_odds(given, axes)
+    return settings, axes, problems or list(_excess(given, settings, axes))
+
+
+def _choices(axes: list[_Axis]) -> Iterator[tuple[Any, ...]]:
+    """Yield the value of each axis at every point; the last key varies fastest, and values of zip go in parallel."""
+    grid = [[(value,) for value in axis.values] for axis in axes if axis.table == GRID]
+    rows = list(zip(*(axis.values for axis in axes if axis.table == ZIP), strict=False)) or [()]
+    yield from (tuple(chain.from_iterable(picked)) for picked in product(*grid, rows))
+
+
+def _at_odds(given: Layers, settings: Sweeping) -> Iterator[Problem]:
+    if settings.precision is None:
+        said = [key for key in ("quantity", "most_replicates") if key in given.table(SWEEP)]
+        yield from (given.problem((SWEEP, key), "needs a precision", "add precision = 0.01") for key in said)
+        return
+    if settings.replicates < FEWEST:
+        hint = f"replicates = {FEWEST}, or leave it out"
+        yield given.problem((SWEEP, "replicates"), "too few to estimate the precision", hint)
+    if settings.replicates > settings.most_replicates:
+        hint = f"most_replicates = {settings.replicates} or more"
+        yield given.problem((SWEEP, "most_replicates"), "fewer than the replicates to begin with", hint)
+
+
+def _axes(name: str, table: Mapping[str, Any]) -> Iterator[_Axis]:
+    """Yield every key of `[sweep.grid]` or `[sweep.zip]`, known or not."""
+    for section, below in table.items():
+        if isinstance(below, Mapping) and section in SECTIONS:
+            yield from (_Axis((section, key), name, values) for key, values in below.items())
+        else:
+            yield _Axis((section,), name, below)
+
+
+def _refused(given: Layers, axis: _Axis) -> Problem | None:
+    """Return why a key with such values is not swept, if it is not."""
+    path, place = axis.swept_path, given.key_place(axis.swept_path)
+    if axis.path == ("run", "seed"):
+        hint = "seeds follow from run.seed, the point and the replicate; replicates = 4 makes four of each"
+        return given.problem(path, "is not swept", hint, place=place)
+    if len(axis.path) == 1 or axis.key not in SWEPT:
+        return given.problem(path, "unknown key", _suggestion(axis.key), place=place)
+    if not isinstance(axis.values, list):
+        return given.problem(path, "needs a list of values", f"a list in brackets: {axis.key} = [..., ...]")
+    if not axis.values:
+        return given.problem(path, "an empty list, which leaves no point", "give it values, or take the line away")
+    return None
+
+
+def _suggestion(key: str) -> str:
+    named = [known for known in SWEPT if key in known.split(".")]
+    if key in SWEPT:
+        return f"write {key} without quotation marks: a dotted key stands for its table"
+    nearest = f"did you mean {' or '.join(named[:2])}?" if named else did_you_mean(key, SWEPT)
+    return nearest or "a key of a scenario with its table, such as interface.mean_junction_count"
+
+
+def _axes_at_odds(given: Layers, axes: list[_Axis]) -> Iterator[Problem]:
+    """Refuse unequal lists in parallel, keys swept twice, and a `--set` of a key that the sweep sets at every point."""
+    first: _Axis | None = None
+    for axis in axes:
+        if axis.table == ZIP:
+            first = first or axis
+            if len(axis.values) != len(first.values):
+                message = f"{len(axis.values)} values beside the {len(first.values)} of {first.key}"
+                hint = "lists of [sweep.zip] go in parallel and need equal length"
+                yield given.problem(axis.swept_path, message, hint)
+            if any(other.path == axis.path and other.table == GRID for other in axes):
+                message, place = "swept in [sweep.grid] and in [sweep.zip]", given.key_place(axis.swept_path)
+                yield given.problem(axis.swept_path, message, "keep one of the two", place=place)
+        origin = given.origins.get(axis.path)
+        if origin and origin.kind == "setting":
+            hint = f'to change its values: --set "{".".join(axis.swept_path)}=[...]"'
+            yield given.problem(axis.path, "the sweep gives it a value at every point", hint, place=origin.key)
+
+
+def _excess(given: Layers, settings: Sweeping, axes: list[_Axis]) -> Iterator[Problem]:
+    together = min((len(axis.values) for axis in axes if axis.table == ZIP), default=1)
+    points = together * prod(len(axis.values) for axis in axes if axis.table == GRID)
+    runs = points * settings.largest
+    if points > SWEEP_POINTS or runs > SWEEP_RUNS:
+        message = f"too many: {points:,} points, {runs:,} runs with replicates; "
+        message += f"at most {SWEEP_POINTS:,} points and {SWEEP_RUNS:,} runs"
+        fewer = "fewer values or replicates" if settings.precision is None else "fewer values or most_replicates"
+        yield given.problem((SWEEP,), message, f"{fewer}, or several sweeps", place=given.key_place((SWEEP,)))
+
+
 _NUMBERS = re.compile(r"[0-9][0-9.,e+-]*")
-_SHOWN_CHARACTERS = 40
 
 
 Examined = tuple[Mapping[str, Any], Scenario | None, Sequence[Problem]]
@@ -135,7 +269,7 @@ def gathered(points: Sequence[Examined]) -> Iterator[Problem]:
 
 def in_words(values: Mapping[str, Any]) -> str:
     """Return swept values in printed form: `interface.mean_junction_count = 20, ...`."""
-    return ", ".join(f"{key} = {str(value)[:_SHOWN_CHARACTERS]}" for key, value in values.items())
+    return ", ".join(f"{key} = {str(value)[:40]}" for key, value in values.items())
 
 
 _LOOKED_AT_BESIDE_A_WRONG_TABLE = 100
@@ -163,10 +297,6 @@ class Sweep:
 
     def __repr__(self) -> str:
         return fields_as_text(self)
-
-
-_ENGINE_OF_SWEEPS = "batch"
-"""Many runs are made by the faster engine if the file names none; it gives the same bits."""
 
 
 def expand(sweep: Sweep) -> tuple[Point, ...]:
@@ -202,7 +332,7 @@ def load_either(
 ) -> Scenario | Sweep:
     """Return the scenario or the sweep of a TOML file, whichever it is; raises ScenarioRefused as `load` does."""
     given = layers.from_file(path, overrides)
-    return _checked(given, read) if SWEEP in given.data else load(path, overrides, read)
+    return _checked(given, read) if SWEEP in given.data else checked(given, read)
 
 
 def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
@@ -210,18 +340,19 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
         ways = "rubnoise run makes this one run, and in Python grid={...} makes it many"
         alone = f"{given.name}: no sweep: it has no table [sweep]; {ways}"
         raise ScenarioRefused(report(given.problems) or alone)
-    settings, axes, wrong = read_table(given)
-    given = layers.filled(given, {"run": {"engine": _ENGINE_OF_SWEEPS}})
+    settings, axes, wrong = _table(given)
+    # Many runs are made by the faster engine if the file names none; it gives the same bits.
+    given = layers.filled(given, {"run": {"engine": "batch"}})
     one, read = layers.without(given, (SWEEP,)), read and cache(read)  # a file is read once, not at every point
     # Each value is shown where its list is.
     origins = {axis.path: given.origin(axis.swept_path) for axis in axes}
     points: list[Examined] = []
-    for values in islice(choices(axes), _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None):
-        data: dict[str, Any] = {}
+    for values in islice(_choices(axes), _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None):
+        data: dict[str, Any] = {axis.path[0]: {} for axis in axes}
         for axis, value in zip(axes, values, strict=True):
-            data.setdefault(axis.path[0], {})[axis.path[1]] = value
+            data[axis.path[0]][axis.path[1]] = value
         point = layers.laid(one, Layers(name=given.name, data=data, origins=origins))
-        points.append(({axis.key: value for axis, value in zip(axes, values, strict=True)}, *examined(point, read)))
+        points.append((dict(zip((axis.key for axis in axes), values, strict=True)), *examined(point, read)))
     # What is missing may be meant by a key of the sweep that is not right yet.
     found = [problem for problem in gathered(points) if not (wrong and problem.is_missing)]
     problems = [*given.problems, *wrong, *found]

@@ -11,7 +11,7 @@ from rubnoise.scenario.fields import Choice, Field, Key, Measure, Number, Parts,
 from rubnoise.scenario.keys import GRID
 from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES
 from rubnoise.scenario.shipped import shipped
-from rubnoise.scenario.sweep_table import SWEPT
+from rubnoise.scenario.sweep import SWEPT
 from rubnoise.scenario.text import text_of, toml_value
 from rubnoise.units import NUMBER
 
