@@ -5,8 +5,10 @@ Intervals are for one law, or for all laws that are not distinguished.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import erf, exp, inf, isinf, log, pi, sqrt
+from math import erf, exp, inf, isinf, pi, sqrt
 from typing import Final
+
+import numpy as np
 
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.fitting import Fit, Given
@@ -139,22 +141,18 @@ def widened(best: Estimate, laws: list[Estimate]) -> Estimate:
     """
     if len(laws) == 1:
         return best
-    ratios = all(each.interval[0] > 0.0 for each in laws)
-
-    def placed(value: float) -> float:
-        return log(value) if ratios else value
-
-    ends = [(placed(each.interval[0]), placed(each.value), placed(each.interval[1])) for each in laws]
-    middles = [middle for _, middle, _ in ends]
-    error = max(high - low for low, _, high in ends) / (2.0 * Z)
-    reach = reach_beyond((max(middles) - min(middles)) / error if error > 0.0 else 0.0) / Z
-    low = min(middle - reach * (middle - low) for low, middle, _ in ends)
-    high = max(middle + reach * (high - middle) for _, middle, high in ends)
+    ends = np.array([(each.interval[0], each.value, each.interval[1]) for each in laws]).T
+    ratios = bool(ends[0].min() > 0.0)
+    lows, middles, highs = np.log(ends) if ratios else ends
+    error = float((highs - lows).max()) / (2.0 * Z)
+    reach = reach_beyond(float(np.ptp(middles)) / error if error > 0.0 else 0.0) / Z
+    low = float((middles - reach * (middles - lows)).min())
+    high = float((middles + reach * (highs - middles)).max())
     # If an interval reaches down to 0, so does that of all laws.
     interval = (exp(low), exp(high)) if ratios else (0.0, high)
     # A law of one spread has no error of its own.
     own = best.standard_error or (interval[1] - interval[0]) / (2.0 * Z)
-    return Estimate(value=best.value, standard_error=own, interval=interval, unit=best.unit)
+    return replace(best, standard_error=own, interval=interval)
 
 
 def reach_beyond(apart: float) -> float:

@@ -98,10 +98,13 @@ def _stacked(sources: list[Layers], main: Layers, problems: list[Problem]) -> La
     """
     problems = [*problems, *(problem for source in sources for problem in source.problems)]
     versions = [(source, source.data.get("format")) for source in sources]
-    for source, version in versions:
-        if isinstance(version, int) and version > FORMAT:
-            message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
-            raise ScenarioRefused(report([*problems, source.problem(("format",), message)]))
+    newer = [
+        source.problem(("format",), f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}")
+        for source, version in versions
+        if isinstance(version, int) and version > FORMAT
+    ]
+    if newer:
+        raise ScenarioRefused(report([*problems, *newer]))
     missing = [source for source, version in versions if version is None and source.files and not problems]
     hint = "the first line of the file: format = 1"
     problems += [source.problem(("format",), "missing", hint, place=source.key_place(())) for source in missing]

@@ -185,10 +185,11 @@ def read_toml(name: str, text: str, rank: int = 0) -> Layers:
     named = [] if refused else list(_named(lines, on))
     data, problems = ({}, refused) if refused else _parsed(lines, named, on)
     origins: dict[Path, Origin] = {(): Origin(on(1, 0, 1), on(1, 0, 1), "file")}
+    given = list(paths_of(data))
     for path, key, value in named:
-        for end in range(1, len(path) + 1):
-            origins.setdefault(path[:end], Origin(key, value, "file"))
-    for path in paths_of(data):  # the keys of a table in braces stand where it does
+        parts = (path[:end] for end in range(1, len(path) + 1))
+        origins |= {each: Origin(key, value, "file") for each in parts if each in given and each not in origins}
+    for path in given:  # the keys of a table in braces stand where it does
         origins.setdefault(path, origins[path[:-1]]._replace(key=origins[path[:-1]].value))
     return Layers(name=name, data=data, origins=origins, text=text, files=(name,), problems=tuple(problems))
 
