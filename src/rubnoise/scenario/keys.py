@@ -57,58 +57,50 @@ def read(layers: Layers) -> tuple[Document, set[str], list[Problem]]:
     of any.
     """
     layers = completed(layers)
-    paths = [problem.path for problem in layers.problems if problem.path != ("format",)]
+    paths = [problem.path for problem in layers.problems if not problem.is_missing]
     broken = {name for path in paths for name in (path[:1] if len(path) > 1 else SECTIONS)}
-    unsound = [each for each in _unsound_problems(layers) if each.path[0] not in broken]
-    problems = [*unsound, *(each for each in _rule_problems(layers) if each.path[0] not in broken)]
-    wrong = broken | {each.path[0] for each in problems if each.is_missing or each in unsound}
-    needed: dict[str, Any] = {name: {} for name in SECTIONS if presence(name) == "needed"}
-    right: dict[str, Any] = {
-        "format": TOP["format"].sample,
-        "interface": SECTIONS["interface"](),
-        "sliding": _ANY_DISTANCE,
-    }
-    for name, given in {**needed, **layers.data}.items():
-        if name in TOP:
-            right |= values_of(TOP, layers, (), {name: given}, problems)
-        elif name not in SECTIONS:
-            problems.append(unknown(layers, (name,)))
-        elif isinstance(given, Mapping):
-            known = keys_of(SECTIONS[name])
-            problems += [unknown(layers, (name, key)) for key in given if key not in known]
+    top, problems = values_of(TOP, layers, ())
+    problems += [unknown(layers, (name,)) for name in layers.data if name not in (*TOP, *SECTIONS)]
+    tables: dict[str, dict[str, Any]] = {}
+    wrong = set(broken)
+    for name, section in SECTIONS.items():
+        given = layers.data.get(name, {} if presence(name) == "needed" else None)
+        if isinstance(given, Mapping):
+            known = keys_of(section)
+            tables[name], refused = values_of(known, layers, (name,))
             lacking = [key for key, about in known.items() if about.is_needed and key not in given]
+            problems += [*refused, *(unknown(layers, (name, key)) for key in given if key not in known)]
             problems += [missing(layers, (name, key)) for key in lacking if name not in broken]
-            before = len(problems)
-            values = values_of(known, layers, (name,), given, problems)
-            if lacking or len(problems) > before:
-                wrong.add(name)
-            elif name not in wrong:
-                right[name] = SECTIONS[name](**values)
-        elif given is not None or presence(name) != "optional":
+            wrong |= {name} if lacking or refused else set()
+        elif name in layers.data and (given is not None or presence(name) != "optional"):
             wrong.add(name)
             problems.append(layers.problem((name,), "needs a table", f"a line [{name}] with its keys below"))
+    rules = _Rules(layers, tables)
+    unsound = list(rules.of_contact())
+    found = [each for each in (*unsound, *rules.of_choices()) if each.path[0] not in broken]
+    wrong |= {each.path[0] for each in found if each.is_missing or each in unsound}
     both = {"interface", "diameter"}
     if wrong & both and "mean" in layers.table("diameter"):
         wrong |= both  # area or count follow from the diameter
-        right |= {name: SECTIONS[name]() for name in both}
-    return Document(**right), wrong, problems
+    right = {name: SECTIONS[name](**values) for name, values in tables.items() if name not in wrong}
+    stand_in = {"format": TOP["format"].sample, "interface": SECTIONS["interface"](), "sliding": _ANY_DISTANCE}
+    return Document(**{**stand_in, **top, **right}), wrong, [*found, *problems]
 
 
-def values_of(
-    known: Mapping[str, Key], layers: Layers, table: Path, given: Mapping[str, Any], problems: list[Problem]
-) -> dict[str, Any]:
-    """Return the values of the known keys of a table, without those that are refused, which join the problems."""
-    values = {}
-    for key, value in given.items():
-        about = known.get(key)
-        if about is None or (value is None and about.default is None and not about.is_needed):
+def values_of(known: Mapping[str, Key], layers: Layers, table: Path) -> tuple[dict[str, Any], list[Problem]]:
+    """Return the values of the known keys of a table, without those that are refused, and these."""
+    values, problems = {}, []
+    given = layers.table(table[0]) if table else layers.data
+    for key, about in known.items():
+        value = given.get(key)
+        if key not in given or (value is None and about.default is None and not about.is_needed):
             continue
         from_python = layers.origin((*table, key)).kind == "values"
         try:
             values[key] = about.kind.of_python(value) if from_python else about.kind.read(value)
         except Unfit as unfit:
             problems.append(layers.problem((*table, key), str(unfit), unfit.hint))
-    return values
+    return values, problems
 
 
 def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:
@@ -135,170 +127,160 @@ def unknown(layers: Layers, path: Path) -> Problem:
     return layers.problem(path, what, hint, place=layers.key_place(path))
 
 
-def _rule_problems(layers: Layers) -> Iterator[Problem]:
-    """Yield the problems of combinations of keys in the file, whether their values are valid or not."""
-    if isinstance(layers.data.get("slider"), dict):
-        yield from _slider_problems(layers)
-    if isinstance(layers.data.get("load"), dict):
-        yield from _load_problems(layers)
-    for name, choice in OWN_KEYS:
-        yield from _own_problems(layers, name, choice)
+class _Rules:
+    """The rules for combinations of keys; ``tables`` are the values that can be read."""
 
+    def __init__(self, layers: Layers, tables: Mapping[str, Mapping[str, Any]]) -> None:
+        self.layers, self.tables = layers, tables
 
-def _unsound_problems(layers: Layers) -> Iterator[Problem]:
-    """Yield the problems of combinations from which no contact, law or pulse can be made."""
-    if "mean" in layers.table("diameter"):
-        yield from _mean_problems(layers)
-    elif isinstance(layers.data.get("interface", {}), dict):
-        for ways in ALTERNATIVES["interface"]:
-            yield from _one_of(layers, "interface", ways)
-    yield from _offset_problems(layers)
-    yield from _law_problems(layers)
+    def value(self, table: str, key: str) -> Any:
+        """Return the value of a key, or its default; None if it is refused."""
+        refused = key in self.layers.table(table) and key not in self.tables.get(table, {})
+        return None if refused else self.tables.get(table, {}).get(key, keys_of(SECTIONS[table])[key].default)
 
+    def wrong(self, table: str, key: str, message: str, hint: str = "") -> Problem:
+        return self.layers.problem((table, key), message, hint)
 
-def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, needed: bool = True) -> Iterator[Problem]:
-    """Refuse ways to say one thing of which two are given, or none, or only a part of one."""
-    table = layers.table(name)
-    given = [next(key for key in way if key in table) for way in ways if not table.keys().isdisjoint(way)]
-    if len(given) > 1:
-        yield _said_twice(layers, [(name, key) for key in given])
-    elif given:
-        (way,) = [way for way in ways if given[0] in way]
-        lacking = [key for key in way if key not in table]
-        yield from (missing(layers, (name, key), f"missing; {given[0]} needs it") for key in lacking)
-    elif needed:
-        yield missing(layers, (name, ways[0][0]))
+    def lacks(self, table: str, key: str, why: str = "") -> Problem:
+        return missing(self.layers, (table, key), f"missing; {why}" if why else "missing")
 
+    def of_contact(self) -> Iterator[Problem]:
+        """Yield the problems of combinations from which no contact, law or pulse can be made."""
+        if "mean" in self.layers.table("diameter"):
+            yield from self.mean()
+        elif isinstance(self.layers.data.get("interface", {}), dict):
+            for ways in ALTERNATIVES["interface"]:
+                yield from self.one_of("interface", ways)
+        if self.value("pulse", "offset") == "uniform":
+            yield from self.offset()
+        yield from self.laws()
 
-def _mean_problems(layers: Layers) -> Iterator[Problem]:
-    """Check what stands beside a mean diameter: either a count or an area, and a law without a scale of its own."""
-    interface, (areas, _) = layers.table("interface"), ALTERNATIVES["interface"]
-    given = [key for way in areas for key in way if key in interface]
-    path, law = ("diameter", "mean"), _value(layers, "diameter", "law")
-    if law in _OWN_SCALE:
-        yield layers.problem(path, f'the law "{law}" has a mean of its own', "leave the mean out")
-    mean, spread = _value(layers, *path), _value(layers, "diameter", "spread")
-    absolute = isinstance(mean, Quantity) and isinstance(spread, Quantity) and spread.kind == LENGTH
-    # Without its part below 0 a normal law that is much wider has a larger mean, wherever its centre lies.
-    if law == "normal" and absolute and float(spread) > float(mean):
-        yield layers.problem(("diameter", "spread"), "wider than the mean diameter", "at most the mean")
-    if "patch_area" in interface:
-        message = "a mean diameter says how large a junction is"
-        yield layers.problem(("interface", "patch_area"), message, "keep exactly one of the two")
-    elif given and "mean_junction_count" in interface:
-        message = f"beside mean_junction_count and {given[0]} the mean diameter is already said"
-        yield layers.problem(path, message, "keep two of the three")
-    elif given:
-        yield from _one_of(layers, "interface", areas)
-    elif "mean_junction_count" not in interface:
-        yield missing(layers, ("interface", "mean_junction_count"))
-    if "calibration" in interface:
-        message = "a mean diameter needs no calibration"
-        yield layers.problem(("interface", "calibration"), message, "leave the calibration out")
+    def of_choices(self) -> Iterator[Problem]:
+        """Yield the problems of other combinations, whether their values are valid or not."""
+        if isinstance(self.layers.data.get("slider"), dict):
+            yield from self.slider()
+        if isinstance(self.layers.data.get("load"), dict):
+            yield from self.load()
+        for name, choice in OWN_KEYS:
+            yield from self.own(name, choice)
 
+    def one_of(self, name: str, ways: tuple[tuple[str, ...], ...], *, needed: bool = True) -> Iterator[Problem]:
+        """Refuse ways to say one thing of which two are given, or none, or only a part of one."""
+        table = self.layers.table(name)
+        given = [next(key for key in way if key in table) for way in ways if not table.keys().isdisjoint(way)]
+        if len(given) > 1:
+            places = [(self.layers.key_place((name, key)), key) for key in given]
+            (first, _), (second, key) = sorted(places, key=lambda each: (each[0].rank, each[0].line))
+            where = f"{first.source}:{first.line}" if first.line else first.source
+            message = f"both {' and '.join(given)} are given (the other at {where})"
+            yield self.layers.problem((name, key), message, "keep exactly one of the two", place=second)
+        elif given:
+            (way,) = [way for way in ways if given[0] in way]
+            yield from (self.lacks(name, key, f"{given[0]} needs it") for key in way if key not in table)
+        elif needed:
+            yield self.lacks(name, ways[0][0])
 
-def _load_problems(layers: Layers) -> Iterator[Problem]:
-    """Check what a load that weighs needs, that its loss fits its motion, and that no key contradicts it."""
-    if "speed" not in layers.table("sliding"):
-        yield missing(layers, ("sliding", "speed"), "missing; the motion of a load that weighs needs it")
-    if layers.table("interface").keys().isdisjoint({"load", "hardness"}):
-        yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
-    free = layers.table("load").get("motion") == "free"
-    yield from _one_of(layers, "load", DAMPINGS, needed=not free)
-    if free:
-        yield from _one_of(layers, "load", LOSSES)
-    for table, key, needed in ((name, key, value) for name, own in CONTACT.items() for key, value in own.items()):
-        value = _value(layers, table, key)
-        right = value in {needed, None}
-        if key == "spread":
-            ratio = isinstance(value, Quantity) and value.kind == RATIO
-            right = ratio and abs(100.0 * float(value) / RAYLEIGH - 1.0) <= _CLOSE
-        if not right:
-            what = f"Rayleigh sizes ({needed})" if key == "spread" else f"{table}.{key} {needed}"
-            hint = f'{key} = "{needed}", or leave it out: it is set'
-            yield layers.problem((table, key), f"the theory of [load] is for {what}", hint)
-    if _value(layers, "load", "motion") == "free" and _value(layers, "sliding", "start") == "empty":
-        message = "free motion begins at rest on the summits that are there"
-        yield layers.problem(("sliding", "start"), message, 'start = "stationary"')
-    if _value(layers, "slider", "coupling") == "two-way":
-        message = "two-way coupling is known at constant separation alone, not with a table [load]"
-        yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
+    def mean(self) -> Iterator[Problem]:
+        """Check what stands beside a mean diameter: either a count or an area, and a law without a scale of its own."""
+        interface, (areas, _) = self.layers.table("interface"), ALTERNATIVES["interface"]
+        given = [key for way in areas for key in way if key in interface]
+        mean, spread, law = (self.value("diameter", key) for key in ("mean", "spread", "law"))
+        if law in _OWN_SCALE:
+            yield self.wrong("diameter", "mean", f'the law "{law}" has a mean of its own', "leave the mean out")
+        # Without its part below 0 a normal law that is much wider has a larger mean, wherever its centre lies.
+        if law == "normal" and mean and spread and spread.kind == LENGTH and spread > mean:
+            yield self.wrong("diameter", "spread", "wider than the mean diameter", "at most the mean")
+        if "patch_area" in interface:
+            message = "a mean diameter says how large a junction is"
+            yield self.wrong("interface", "patch_area", message, "keep exactly one of the two")
+        elif given and "mean_junction_count" in interface:
+            message = f"beside mean_junction_count and {given[0]} the mean diameter is already said"
+            yield self.wrong("diameter", "mean", message, "keep two of the three")
+        elif given:
+            yield from self.one_of("interface", areas)
+        elif "mean_junction_count" not in interface:
+            yield self.lacks("interface", "mean_junction_count")
+        if "calibration" in interface:
+            message = "a mean diameter needs no calibration"
+            yield self.wrong("interface", "calibration", message, "leave the calibration out")
 
+    def offset(self) -> Iterator[Problem]:
+        shape, law, known = self.value("pulse", "shape"), self.value("birth", "law"), "lateral offsets are known"
+        if shape is not None and shape not in OFF_CENTRE:
+            message = f"{known} for the {' and the '.join(OFF_CENTRE)}, not for the {shape}"
+            yield self.wrong("pulse", "offset", message, 'shape = "lens"')
+        if law not in {"poisson", None}:
+            message = f"{known} for Poisson births, not for {law} ones"
+            yield self.wrong("pulse", "offset", message, 'birth.law = "poisson"')
+        if self.value("slider", "coupling") == "two-way":
+            yield self.wrong("pulse", "offset", f"{known} with one-way coupling alone", 'slider.coupling = "one-way"')
 
-def _offset_problems(layers: Layers) -> Iterator[Problem]:
-    if _value(layers, "pulse", "offset") != "uniform":
-        return
-    shape, law = _value(layers, "pulse", "shape"), _value(layers, "birth", "law")
-    if shape is not None and shape not in OFF_CENTRE:
-        message = f"lateral offsets are known for the {' and the '.join(OFF_CENTRE)}, not for the {shape}"
-        yield layers.problem(("pulse", "offset"), message, 'shape = "lens"')
-    if law not in {"poisson", None}:
-        message = f"lateral offsets are known for Poisson births, not for {law} ones"
-        yield layers.problem(("pulse", "offset"), message, 'birth.law = "poisson"')
-    if _value(layers, "slider", "coupling") == "two-way":
-        message = "lateral offsets are known with one-way coupling alone"
-        yield layers.problem(("pulse", "offset"), message, 'slider.coupling = "one-way"')
+    def laws(self) -> Iterator[Problem]:
+        """Refuse lists of a mixture of unequal length, and parameters of a law that must increase and do not."""
+        weights, parts = (self.value("diameter", key) for key in ("weights", "parts"))
+        if weights and parts and len(weights) != len(parts):
+            message = f"{len(weights)} weights for {len(parts)} parts"
+            yield self.wrong("diameter", "weights", message, "one weight for each part")
+        for name in ("diameter", "strength"):
+            entry = LAWS.get(str(self.layers.table(name).get("law")))
+            for low, high in pairwise(entry.ascending if entry else ()):
+                least, most = self.value(name, low), self.value(name, high)
+                if least is not None and most is not None and most <= least:
+                    yield self.wrong(name, high, f"must be larger than {name}.{low} = {least}")
 
+    def slider(self) -> Iterator[Problem]:
+        slider = self.layers.table("slider")
+        excitation = slider.get("excitation", "friction")
+        if "strength" not in self.layers.data and excitation != "base":
+            yield self.lacks("strength", "mean", "a slider is driven by a force, which needs a strength")
+        if "speed" not in self.layers.table("sliding"):
+            yield self.lacks("sliding", "speed", "the motion of a slider needs a sliding speed")
+        yield from self.one_of("slider", DAMPINGS)
+        if excitation in ("base", "velocity-weakening") and slider.get("coupling") == "two-way":
+            message = f'the excitation "{excitation}" is known with one-way coupling alone'
+            yield self.wrong("slider", "coupling", message, 'coupling = "one-way"')
+        if excitation == "base" and "load" in self.layers.data:
+            message = 'the excitation "base" is known only without a load that weighs'
+            yield self.wrong("slider", "excitation", message, "leave [load] out")
 
-def _value(layers: Layers, table: str, key: str) -> Any:
-    """Return the value of a key, or its default; None if the value is refused where it is read."""
-    about = keys_of(SECTIONS[table])[key]
-    try:
-        return about.kind.of_python(layers.table(table).get(key, about.default))
-    except Unfit:
-        return None
+    def load(self) -> Iterator[Problem]:
+        """Check what a load that weighs needs, that its loss fits its motion, and that no key contradicts it."""
+        if "speed" not in self.layers.table("sliding"):
+            yield self.lacks("sliding", "speed", "the motion of a load that weighs needs it")
+        if self.layers.table("interface").keys().isdisjoint({"load", "hardness"}):
+            yield self.lacks("interface", "load", "a load that weighs is that of the interface")
+        free = self.layers.table("load").get("motion") == "free"
+        yield from self.one_of("load", DAMPINGS, needed=not free)
+        if free:
+            yield from self.one_of("load", LOSSES)
+        for table, key, needed in ((name, key, value) for name, own in CONTACT.items() for key, value in own.items()):
+            value = self.value(table, key)
+            right, what = value in {needed, None}, f"{table}.{key} {needed}"
+            if key == "spread":
+                ratio = isinstance(value, Quantity) and value.kind == RATIO
+                right = ratio and abs(100.0 * float(value) / RAYLEIGH - 1.0) <= _CLOSE
+                what = f"Rayleigh sizes ({needed})"
+            if not right:
+                hint = f'{key} = "{needed}", or leave it out: it is set'
+                yield self.wrong(table, key, f"the theory of [load] is for {what}", hint)
+        if free and self.value("sliding", "start") == "empty":
+            message = "free motion begins at rest on the summits that are there"
+            yield self.wrong("sliding", "start", message, 'start = "stationary"')
+        if self.value("slider", "coupling") == "two-way":
+            message = "two-way coupling is known at constant separation alone, not with a table [load]"
+            yield self.wrong("slider", "coupling", message, 'coupling = "one-way"')
 
-
-def _said_twice(layers: Layers, both: list[Path]) -> Problem:
-    names = " and ".join(path[-1] for path in both)
-    places = sorted(((layers.key_place(path), path) for path in both), key=lambda each: (each[0].rank, each[0].line))
-    (first, _), (second, path) = places
-    where = f"{first.source}:{first.line}" if first.line else first.source
-    message = f"both {names} are given (the other at {where})"
-    return layers.problem(path, message, "keep exactly one of the two", place=second)
-
-
-def _slider_problems(layers: Layers) -> Iterator[Problem]:
-    slider = layers.table("slider")
-    excitation = slider.get("excitation", "friction")
-    if "strength" not in layers.data and excitation != "base":
-        yield missing(layers, ("strength", "mean"), "missing; a slider is driven by a force, which needs a strength")
-    if "speed" not in layers.table("sliding"):
-        yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
-    yield from _one_of(layers, "slider", DAMPINGS)
-    if excitation in ("base", "velocity-weakening") and slider.get("coupling") == "two-way":
-        message = f'the excitation "{excitation}" is known with one-way coupling alone'
-        yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
-    if excitation == "base" and "load" in layers.data:
-        message = 'the excitation "base" is known only without a load that weighs'
-        yield layers.problem(("slider", "excitation"), message, "leave [load] out")
-
-
-def _law_problems(layers: Layers) -> Iterator[Problem]:
-    """Refuse lists of a mixture of unequal length, and parameters of a law that must increase and do not."""
-    weights, parts = (layers.table("diameter").get(key) for key in ("weights", "parts"))
-    if isinstance(weights, list | tuple) and isinstance(parts, list | tuple) and len(weights) != len(parts):
-        message = f"{len(weights)} weights for {len(parts)} parts"
-        yield layers.problem(("diameter", "weights"), message, "one weight for each part")
-    for name, table in ((name, layers.table(name)) for name in ("diameter", "strength")):
-        entry = LAWS.get(str(table.get("law")))
-        for low, high in pairwise(entry.ascending if entry else ()):
-            least, most = table.get(low), table.get(high)
-            if isinstance(least, int | float) and isinstance(most, int | float) and most <= least:
-                yield layers.problem((name, high), f"must be larger than {name}.{low} = {least}")
-
-
-def _own_problems(layers: Layers, name: str, choice: str) -> Iterator[Problem]:
-    """Refuse keys that the value of a choice does not take, naming the one that does, and report missing ones."""
-    table, takes, about = layers.table(name), OWN_KEYS[name, choice], keys_of(SECTIONS[name])[choice]
-    word = table.get(choice, about.default or about.sample)
-    for key in dict.fromkeys(key for keys in takes.values() for key in keys) if word in [*takes] else ():
-        instead = INSTEAD[word] if key == "spread" else next(other for other in takes if key in takes[other])
-        if key in table and key not in takes[word]:
-            default = "" if choice in table else f', and "{word}" is the default'
-            leave = f"leave the {key} out"
-            hint = f'write {choice} = "{instead}", or {leave}' if instead else leave
-            yield layers.problem((name, key), f'the {choice} "{word}" takes no {key}{default}', hint)
-        if key in takes[word] and key not in table and key not in NOT_NEEDED:
-            article = "an" if key[0] in "aeiou" else "a"
-            yield missing(layers, (name, key), f'missing; the {choice} "{word}" needs {article} {key}')
+    def own(self, name: str, choice: str) -> Iterator[Problem]:
+        """Refuse keys that the value of a choice does not take, naming the one that does, and report missing ones."""
+        table, takes, about = self.layers.table(name), OWN_KEYS[name, choice], keys_of(SECTIONS[name])[choice]
+        word = table.get(choice, about.default or about.sample)
+        for key in dict.fromkeys(key for keys in takes.values() for key in keys) if word in [*takes] else ():
+            if key in table and key not in takes[word]:
+                instead = INSTEAD[word] if key == "spread" else next(other for other in takes if key in takes[other])
+                default = "" if choice in table else f', and "{word}" is the default'
+                leave = f"leave the {key} out"
+                hint = f'write {choice} = "{instead}", or {leave}' if instead else leave
+                yield self.wrong(name, key, f'the {choice} "{word}" takes no {key}{default}', hint)
+            if key in takes[word] and key not in table and key not in NOT_NEEDED:
+                article = "an" if key[0] in "aeiou" else "a"
+                yield self.lacks(name, key, f'the {choice} "{word}" needs {article} {key}')

@@ -135,8 +135,8 @@ def _table(given: Layers) -> tuple[Sweeping, list[_Axis], list[Problem]]:
     table = given.data[SWEEP]
     if not isinstance(table, dict):
         return Sweeping(), [], [given.problem((SWEEP,), "needs a table", "a line [sweep] with its keys below")]
-    problems: list[Problem] = []
-    settings = Sweeping(**keys.values_of(keys_of(Sweeping), given, (SWEEP,), table, problems))
+    values, problems = keys.values_of(keys_of(Sweeping), given, (SWEEP,))
+    settings = Sweeping(**values)
     if settings.precision is not None and "replicates" not in table:
         settings = replace(settings, replicates=FEWEST)
     problems += () if problems else _at_odds(given, settings)
