@@ -79,7 +79,9 @@ def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> d
     found = {"diameter": _positive(fit, contact.diameter * tick, "um", diameter=1.0)}
     if fit.problem.population.spread or compared:
         found["relative_spread"] = _spread(fit)
-    found["noise"] = _noise(fit, scale, signal.unit)
+    found["noise"] = _positive(fit, sqrt(contact.noise) * scale, signal.unit, noise=0.5)
+    if "noise" not in fit.names:
+        found["noise"] = replace(found["noise"], value=0.0, interval=(0.0, sqrt(fit.problem.floor) * scale))
     if free != ("strength",):
         count = pulse.mean_life * contact.births * contact.diameter
         found["junction_count"] = _positive(fit, count, "1", births=1.0, diameter=1.0)
@@ -91,7 +93,10 @@ def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> d
         strength = contact.strength * scale * signal.scale / tick**2
         found["shear_strength"] = _positive(fit, strength, "MPa", strength=1.0)
     if "inequality" in free and not signal.is_area:
-        found["strength_spread"] = _strength_spread(contact.inequality, fit.error({"inequality": 1.0}))
+        reach = Z * fit.error({"inequality": 1.0})
+        low, value, high = (sqrt(max(contact.inequality * exp(by) - 1.0, 0.0)) for by in (-reach, 0.0, reach))
+        error = 0.5 * (high - low) / Z
+        found["strength_spread"] = Estimate(value=value, standard_error=error, interval=(low, high), unit="1")
     return found
 
 
@@ -118,18 +123,6 @@ def _spread(fit: Fit) -> Estimate:
         return found
     reach = Z * found.standard_error
     return replace(found, interval=(max(0.0, value - reach), value + reach))
-
-
-def _noise(fit: Fit, scale: float, unit: str) -> Estimate:
-    if "noise" not in fit.names:
-        return Estimate(value=0.0, standard_error=0.0, interval=(0.0, sqrt(fit.problem.floor) * scale), unit=unit)
-    return _positive(fit, sqrt(fit.contact.noise) * scale, unit, noise=0.5)
-
-
-def _strength_spread(inequality: float, error: float) -> Estimate:
-    low, high = (sqrt(max(inequality * exp(sign * Z * error) - 1.0, 0.0)) for sign in (-1.0, 1.0))
-    value = sqrt(max(inequality - 1.0, 0.0))
-    return Estimate(value=value, standard_error=0.5 * (high - low) / Z, interval=(low, high), unit="1")
 
 
 def widened(best: Estimate, laws: list[Estimate]) -> Estimate:

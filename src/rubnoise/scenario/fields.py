@@ -63,26 +63,22 @@ class Measure(Field):
 
     def of_python(self, value: Any) -> Quantity:
         """Return a quantity; a bare number is in working units, as it is never in a file."""
-        if isinstance(value, bool | Quantity) or not isinstance(value, int | float):
+        if isinstance(value, bool | Quantity) or not isinstance(value, int | float) or _no_double(value):
             return self.read(value)
-        if reason := _no_double(value):
-            raise Unfit(reason)
         # By way of Python's own type: a subclass may show itself otherwise.
         exact = Fraction(repr(int(value) if isinstance(value, int) else float(value)))
         return self._within(Quantity(exact, self.kinds[0]))
 
     def read(self, value: Any) -> Quantity:
         """Return the quantity that a text writes, or one of Python."""
-        if not isinstance(value, str | Quantity) and not is_of_pint(value):
-            raise self._refusal(value)
-        return self._within(quantity_of(value, *self.kinds))
-
-    def _refusal(self, value: Any) -> Unfit:
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            return Unfit(f"needs a number with a unit, not {_named(value)}", f'right form: "{self.kinds[0].example}"')
+        form = f'right form: "{self.kinds[0].example}"'
+        if isinstance(value, str | Quantity) or is_of_pint(value):
+            return self._within(quantity_of(value, *self.kinds))
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise Unfit(f"needs a number with a unit, not {_named(value)}", form)
         if reason := _no_double(value):
-            return Unfit(reason, f'right form: "{self.kinds[0].example}"')
-        return Unfit("a number without a unit", f'right form: "{value} {self.kinds[0].unit}"')
+            raise Unfit(reason, form)
+        raise Unfit("a number without a unit", f'right form: "{value} {self.kinds[0].unit}"')
 
     def _within(self, quantity: Quantity) -> Quantity:
         if quantity in self.possible:
