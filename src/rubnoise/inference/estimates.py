@@ -69,7 +69,7 @@ class Estimate:
     unit: str
 
 
-def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> dict[str, Estimate]:
+def estimated(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> dict[str, Estimate]:
     """Return the estimates of a fit by name, in um, MPa and the unit of the trace.
 
     A law of one spread, such as exponential, has an estimate of it only if laws are ``compared``: alone, its spread is
@@ -125,7 +125,7 @@ def _spread(fit: Fit) -> Estimate:
     return replace(found, interval=(max(0.0, value - reach), value + reach))
 
 
-def widened(best: Estimate, laws: list[Estimate]) -> Estimate:
+def wider(best: Estimate, laws: list[Estimate]) -> Estimate:
     """Return an estimate with its 95 % interval, given the estimates of all laws that are not distinguished.
 
     It reaches C standard errors beyond the estimates of all laws, Phi(C + range / error) - Phi(-C) = 0.95: C is 1.96

@@ -10,16 +10,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Offset, Pulse, Shape, pulse_of
 from rubnoise.errors import Refused
-from rubnoise.inference.estimates import (
-    NOTHING,
-    Assumed,
-    Estimate,
-    IfSpread,
-    assumptions,
-    by_spread,
-    estimates_of,
-    widened,
-)
+from rubnoise.inference.estimates import NOTHING, Assumed, Estimate, IfSpread, assumptions, by_spread, estimated, wider
 from rubnoise.inference.fitting import STEPS, Contact, Fit, FitProblem, Given, covariance, deviance, score, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
 from rubnoise.inference.passes import passed
@@ -178,7 +169,7 @@ def infer_signal(
     if reason := _too_little(best, signal):
         return InferenceResult(signal=signal, refused_because=reason)
     compared = len(fits) > 1
-    laws = tuple(_beside(each, best, estimates_of(each, signal, scale, compared=compared)) for each in fits)
+    laws = tuple(_beside(each, best, estimated(each, signal, scale, compared=compared)) for each in fits)
     of_best = laws[names.index(best.problem.population.name)].estimates
     open_to = [each.estimates for each in laws if not each.told_apart]
     spoken = honesty_tests(values, level, best, zero_known=zero == "known") if tests else ()
@@ -188,12 +179,12 @@ def infer_signal(
         if not tests or not (asked or doubtful):
             return None
         other = min(fitted(pulse_of(shape, offset)), key=_criterion)
-        found = estimates_of(other, signal, scale, compared=compared)
+        found = estimated(other, signal, scale, compared=compared)
         known = [name for name in _BY_SHAPE if name in of_best and name in found]
         off = {name: found[name].value / of_best[name].value - 1.0 for name in known}
         return replace(_beside(other, best, found), off=off)
 
-    estimates = {name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()}
+    estimates = {name: wider(each, [law[name] for law in open_to]) for name, each in of_best.items()}
     return InferenceResult(
         estimates=estimates,
         not_identified=_not_identified(best, signal, compared=compared),

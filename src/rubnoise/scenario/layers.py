@@ -14,18 +14,7 @@ from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.regular_file import NotRegular, read_at_most
 from rubnoise.scenario.document import FORMAT
 from rubnoise.scenario.shipped import shipped, shipped_names
-from rubnoise.scenario.text import (
-    FILE_BYTES,
-    LINE_CHARACTERS,
-    Layers,
-    Origin,
-    Path,
-    Place,
-    Problem,
-    paths_of,
-    read_toml,
-    report,
-)
+from rubnoise.scenario.text import FILE_BYTES, LONGEST_LINE, Layers, Origin, Place, Problem, paths_of, read_toml, report
 from rubnoise.units import is_of_pint
 
 EXTENDS_DEPTH: Final = 8
@@ -129,7 +118,7 @@ def filled(layers: Layers, tables: Mapping[str, Any]) -> Layers:
     return replace(layers, data=_laid(tables, layers.data))
 
 
-def without(layers: Layers, *paths: Path) -> Layers:
+def without(layers: Layers, *paths: tuple[str, ...]) -> Layers:
     """Return layers without some keys or tables."""
     return replace(layers, data=_without(layers.data, paths))
 
@@ -164,8 +153,8 @@ def _setting(text: str, rank: int) -> Layers:
 
 
 def _wrong_setting(text: str, path: tuple[str, ...]) -> str:
-    if len(text) > LINE_CHARACTERS:
-        return f"more than {LINE_CHARACTERS} characters"
+    if len(text) > LONGEST_LINE:
+        return f"more than {LONGEST_LINE} characters"
     if "=" not in text or not all(path) or len(path) > _MOST_PARTS:
         return "not of the form KEY=VALUE, as in --set run.seed=7"
     return "extends belongs into a file" if path[0] == "extends" else ""
@@ -241,7 +230,7 @@ def _laid(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
     return _merged(_without(below, anew), above)
 
 
-def _without(data: Mapping[str, Any], paths: Collection[Path]) -> dict[str, Any]:
+def _without(data: Mapping[str, Any], paths: Collection[tuple[str, ...]]) -> dict[str, Any]:
     kept = {name: table for name, table in data.items() if (name,) not in paths}
     tables = {name: table for name, table in kept.items() if isinstance(table, Mapping)}
     return kept | {

@@ -143,7 +143,7 @@ class Layers:
 
 
 FILE_BYTES: Final = 64 * 1024
-LINE_CHARACTERS: Final = 1000
+LONGEST_LINE: Final = 1000
 SYNTAX_ERRORS: Final = 20
 """A text with a mistake is read once more without its line, so often at most."""
 
@@ -208,8 +208,8 @@ def _refused(text: str, lines: list[str]) -> list[tuple[int, str]]:
         return [(0, "not UTF-8 text")]
     if len(text.encode()) > FILE_BYTES:
         return [(0, f"larger than {FILE_BYTES // 1024} kB")]
-    long = [number for number, line in enumerate(lines, 1) if len(line) > LINE_CHARACTERS]
-    return [(number, f"a line of more than {LINE_CHARACTERS} characters") for number in long[:SYNTAX_ERRORS]]
+    long = [number for number, line in enumerate(lines, 1) if len(line) > LONGEST_LINE]
+    return [(number, f"a line of more than {LONGEST_LINE} characters") for number in long[:SYNTAX_ERRORS]]
 
 
 def _named(lines: list[str], on: _On) -> Iterator[tuple[Path, Place, Place]]:
