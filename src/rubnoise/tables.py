@@ -1,8 +1,10 @@
 """Short texts and HTML tables that show objects in a notebook."""
 
+from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from html import escape
+from itertools import accumulate
 from textwrap import wrap
 from typing import Any, Final
 
@@ -16,16 +18,11 @@ FEW: Final = 8
 def shortened(lines: Iterable[str], longest: int = LONGEST) -> str:
     """Return lines as one text of at most ``longest`` characters; its last line counts the lines left out."""
     whole = [line if len(line) <= WIDEST else f"{line[: WIDEST - 3]}..." for line in lines]
-    if sum(len(line) + 1 for line in whole) <= longest + 1:
+    ends = list(accumulate(len(line) + 1 for line in whole))
+    if not ends or ends[-1] <= longest + 1:
         return "\n".join(whole)
-    kept: list[str] = []
-    room = longest - len(f"\n  ... and {len(whole):,} more lines")
-    for line in whole:
-        room -= len(line) + 1
-        if room < 0:
-            break
-        kept.append(line)
-    return "\n".join([*kept, f"  ... and {len(whole) - len(kept):,} more lines"])
+    kept = bisect_right(ends, longest - len(f"\n  ... and {len(whole):,} more lines"))
+    return "\n".join([*whole[:kept], f"  ... and {len(whole) - kept:,} more lines"])
 
 
 def fields_as_text(value: Any) -> str:

@@ -298,17 +298,17 @@ def sized(layers: Layers) -> Layers:
 
     Beside a count one of them is enough. A load that weighs needs its load, so there the count goes.
     """
-    mean, count, patch = ("diameter", "mean"), ("interface", "mean_junction_count"), ("interface", "patch_area")
-    keys = [("interface", key) for key in ("mean_real_contact_area", "load", "hardness", "patch_area")]
-    areas = [path for path in keys if path[1] in layers.table("interface")]
-    counted = count[1] in layers.table("interface") or patch in areas
+    interface = layers.table("interface")
+    areas = [key for key in ("mean_real_contact_area", "load", "hardness", "patch_area") if key in interface]
+    counted = not interface.keys().isdisjoint({"mean_junction_count", "patch_area"})
     if not (areas and counted and "mean" in layers.table("diameter")):
         return layers
-    said, *ranks = (layers.origin(path).layer for path in (mean, *areas))
-    if said == max(ranks):
-        return layers
-    other = (count, patch) if "load" in layers.data else (*areas, ("interface", "calibration"))
-    return without(layers, mean) if said < max(ranks) else without(layers, *other)
+    mean = layers.origin(("diameter", "mean")).layer
+    area = max(layers.origin(("interface", key)).layer for key in areas)
+    if mean < area:
+        return without(layers, ("diameter", "mean"))
+    other = ("mean_junction_count", "patch_area") if "load" in layers.data else (*areas, "calibration")
+    return layers if mean == area else without(layers, *(("interface", key) for key in other))
 
 
 def completed(layers: Layers) -> Layers:
