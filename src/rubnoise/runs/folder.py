@@ -7,14 +7,12 @@ keeps its summary alone has its figures and curves in an archive of numpy's.
 import json
 import os
 import re
-import zipfile
-import zlib
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final, Self, cast
+from typing import Any, Final, cast
 
 import numpy as np
 
@@ -29,7 +27,7 @@ from rubnoise.simulation.draws import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
 from rubnoise.storage.forecast import check_sweep_space, expected, together
-from rubnoise.storage.output import whole_file
+from rubnoise.storage.output import OutputInUse, whole_file
 from rubnoise.storage.reader import InUse, TooNew, open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
@@ -51,22 +49,25 @@ def file_of(folder: Path, run_id: str, keep: Keep) -> Path:
     return folder / RUNS / f"{run_id}{SUFFIXES[keep]}"
 
 
-def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch) -> Figures:
-    """Make one run into its file, unless it is there, and return its figures.
+def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch) -> Figures | None:
+    """Make one run into its file, unless it is there, and return its figures; None if another process is making it.
 
-    ``watch`` is called after each range of ticks, and may raise. Raises OutputInUse if another process is making the
-    run, OutputRefused if the result of another run is in its place.
+    ``watch`` is called after each range of ticks, and may raise. Raises OutputRefused if the result of another run is
+    in its place.
     """
     path = file_of(folder, point.run_id, keep)
-    if (there := found(point, path)) is not None:
-        return there
-    if keep == "summary":
-        summary = summarised(point.scenario, first=point.replicate == 0, watch=watch)
-        with whole_file(path, force=True) as part:
-            _save(part, point.scenario, summary)
-        return summary
-    with RunWriter(path, describe(point.scenario, path, command), force=True) as writer:
-        return numbers_in(play(writer, point.scenario, watch=watch))
+    try:
+        if (there := found(point, path)) is not None:
+            return there
+        if keep == "summary":
+            summary = summarised(point.scenario, first=point.replicate == 0, watch=watch)
+            with whole_file(path, force=True) as part:
+                _save(part, point.scenario, summary)
+            return summary
+        with RunWriter(path, describe(point.scenario, path, command), force=True) as writer:
+            return numbers_in(play(writer, point.scenario, watch=watch))
+    except (OutputInUse, InUse):
+        return None
 
 
 def numbers_in(figures: Figures) -> Figures:
@@ -104,7 +105,7 @@ def found(point: Point, path: Path) -> Figures | None:
     if not path.exists():
         return None
     try:
-        resolved, figures = read(path)
+        resolved, figures = read(path, checked=True)
     except RunFileRefused as refusal:
         if isinstance(refusal, InUse | TooNew) or isinstance(refusal.__cause__, OSError):
             raise
@@ -114,27 +115,16 @@ def found(point: Point, path: Path) -> Figures | None:
     return figures
 
 
-_NOT_UNPACKED: Final = (zipfile.BadZipFile, zlib.error)
-
-
-def read(path: Path) -> tuple[Mapping[str, Any], Figures | None]:
-    """Return the scenario in the file of a run and its figures, None if the file is not as it was written.
+def read(path: Path, *, checked: bool = False) -> tuple[Mapping[str, Any], Figures | None]:
+    """Return the scenario in the file of a run and its figures, None if it is ``checked`` and not as it was written.
 
     The scenario is empty if this version makes other bits of it. Raises RunFileRefused for another file.
     """
     if path.suffix == SUFFIXES["summary"]:
         return _read_summary(path)
     with open_run(path) as file:
-        whole = file.provenance["finished"] and file.summary and not file.damaged()
-        return scenario_in(file), numbers_in(file.summary) if whole else None
-
-
-def scenario_of(path: Path) -> Mapping[str, Any]:
-    """Return the scenario in the file of a run, as `read` does."""
-    if path.suffix == SUFFIXES["summary"]:
-        return _read_summary(path)[0]
-    with open_run(path) as file:
-        return scenario_in(file)
+        spoilt = checked and (not file.summary or file.damaged())
+        return scenario_in(file), None if spoilt else numbers_in(file.summary)
 
 
 def scenario_in(file: Reader) -> Mapping[str, Any]:
@@ -160,10 +150,10 @@ def _read_summary(path: Path) -> tuple[Mapping[str, Any], Figures]:
                 name.partition(" ")[2]: kept[name] for name in kept.files if name.startswith(("curve ", "point "))
             }
             return dict(json.loads(str(kept["scenario"]))) if same else {}, figures | arrays
-    except (ValueError, LookupError, TypeError, EOFError, RuntimeError, MemoryError, *_NOT_UNPACKED) as problem:
-        raise RunFileRefused(f"{path}: damaged: {problem}") from None
     except OSError as problem:
         raise RunFileRefused(f"{path}: {str(problem.strerror or problem).lower()}") from problem
+    except Exception as problem:  # noqa: BLE001  (what a damaged archive raises, which may be any error)
+        raise RunFileRefused(f"{path}: damaged: {problem}") from None
 
 
 def name_in(resolved: Mapping[str, Any], path: Path, seed: int | None = None) -> str:
@@ -196,37 +186,28 @@ def check_folder(root: Path) -> None:
         raise OutputRefused(f"{root}: is not a sweep folder, and not empty; name another folder")
 
 
-def run_files(root: Path) -> Iterator[Path]:
-    """Yield the files of runs in the folder of a sweep, in the order of their names."""
-    folder = root / RUNS
-    if folder.is_dir():
-        yield from sorted(path for path in folder.iterdir() if _RUN.fullmatch(path.name))
-
-
 def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
     """Raise OutputRefused if a folder holds the run of a scenario that the sweep lacks; ``known`` are its runs.
 
-    Further replicates of its points are no strangers.
+    Further replicates of its points are no strangers, damaged files are of no sweep.
     """
-    cases = {run_id(case.scenario): case for case in sweep.cases}
-    seed = sweep.cases[0].scenario.run.seed
+    cases, seed = {run_id(case.scenario): case for case in sweep.cases}, sweep.cases[0].scenario.run.seed
+    there = sorted((root / RUNS).iterdir()) if (root / RUNS).is_dir() else []
+    others = [path for path in there if _RUN.fullmatch(path.name) and path.stem not in known]
     replicates: dict[str, set[str]] = {}
-    others = [path for path in run_files(root) if path.stem not in known]
     for path in others:
-        with suppress(RunFileRefused):  # a damaged one is of no sweep
-            resolved = scenario_of(path)
-            if (name := name_in(resolved, path, seed)) not in cases:
-                raise _stranger(path, _difference(resolved, sweep))
-            if name not in replicates:
+        with suppress(RunFileRefused):
+            resolved, _ = read(path)
+            name, reason = name_in(resolved, path, seed), ""
+            if name not in cases:
+                reason = _difference(resolved, sweep)
+            elif name not in replicates:
                 more = points_of([cases[name]], len(others) + len(known))
                 replicates[name] = {point.run_id for point in more}
-            if path.stem not in replicates[name]:
-                raise _stranger(path, "its seed is of another run.seed")
-
-
-def _stranger(path: Path, reason: str) -> OutputRefused:
-    where = f"{path.parent.parent}: holds the runs of another scenario"
-    return OutputRefused(f"{where}; {path.stem}: {reason}; force=True leaves them beside the runs of this one")
+            if reason or path.stem not in replicates[name]:
+                said = f"{path.stem}: {reason or 'its seed is of another run.seed'}"
+                remedy = "force=True leaves them beside the runs of this one"
+                raise OutputRefused(f"{root}: holds the runs of another scenario; {said}; {remedy}")
 
 
 def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
@@ -242,29 +223,12 @@ def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
     return f"it is of a point that this sweep lacks: {in_words({key: there.get(key) for key in sweep.keys})}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Shard:
-    """One of several parts of a sweep, numbered from 1, for processes that do not communicate."""
-
-    number: int
-    count: int
-
-    @classmethod
-    def of(cls, text: str) -> Self:
-        """Return the shard that a text such as `2/8` names; raises Refused."""
-        found = _SHARD.fullmatch(text)
-        if found is None or int(found[1]) > int(found[2]):
-            raise Refused(f'shard=: "{text[:20]}" is no part of a whole; right form: shard="2/8", from 1/8 to 8/8')
-        return cls(number=int(found[1]), count=int(found[2]))
-
-    def names(self, whole: Iterable[str]) -> set[str]:
-        """Return the names in this shard, whatever their order."""
-        return set(sorted(whole)[self.number - 1 :: self.count])
-
-    def of_sweep(self, sweep: Sweep) -> Sweep:
-        """Return the part of a sweep with a precision: whole points, since the shard decides on them."""
-        mine = self.names(run_id(case.scenario) for case in sweep.cases)
-        return replace(sweep, cases=tuple(case for case in sweep.cases if run_id(case.scenario) in mine))
+def in_shard(shard: str, whole: Iterable[str]) -> set[str]:
+    """Return the names in one of several parts of a whole, such as "2/8", whatever their order; raises Refused."""
+    found = _SHARD.fullmatch(shard)
+    if found is None or int(found[1]) > int(found[2]):
+        raise Refused(f'shard=: "{shard[:20]}" is no part of a whole; right form: shard="2/8", from 1/8 to 8/8')
+    return set(sorted(whole)[int(found[1]) - 1 :: int(found[2])])
 
 
 def check_room(sweep: Sweep, root: Path, jobs: int, points: Sequence[Point]) -> None:

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -24,8 +25,17 @@ from rubnoise.storage.layout import now, package_version
 from rubnoise.storage.schema import Dataset
 from rubnoise.units import RATIO, Quantity
 
-ABOUT: Final = ("run", "run_id", "point", "replicate", "seed", "file", "state", "reason")
-"""The columns of runs that are neither swept keys nor figures."""
+ABOUT: Final = {
+    "run": "row number of the run",
+    "run_id": "name of the run",
+    "point": "number of the point",
+    "replicate": "number of the replicate",
+    "seed": "seed of the random streams",
+    "file": "result of the run, seen from this folder",
+    "state": "planned, done or failed",
+    "reason": "why it failed",
+}
+"""The columns of runs that are neither swept keys nor figures, and what they mean."""
 
 _FILE_KEYS: Final = ("diameter.file", "diameter.column")
 
@@ -38,36 +48,45 @@ def index_of(
     for point in points:
         firsts.setdefault(tuple(point.values.values()), point)
     places = {values: number for number, values in enumerate(firsts)}
-    numbers, of_points = [places[tuple(point.values.values())] for point in points], [*firsts.values()]
-    runs = [found.get(point.run_id, {}) for point in points]
-    keys = [_swept(key, [point.scenario for point in of_points]) for key in sweep.keys]
-    columns = [
-        _column("run", "row number of the run", np.arange(len(points))),
-        _column("run_id", "name of the run", [point.run_id for point in points]),
-        _column("point", "number of the point", numbers),
-        _column("replicate", "number of the replicate", [point.replicate for point in points]),
-        *(Filled(about=key.about, values=key.values[numbers]) for key in keys),
-        _column("seed", "seed of the random streams", [point.seed for point in points]),
-        *_progress(sweep.keep, points, found, failed),
-        *_figures(runs),
+    numbers = [places[tuple(point.values.values())] for point in points]
+    runs, names = [found.get(point.run_id, {}) for point in points], [point.run_id for point in points]
+    states = [DONE if name in found else FAILED if name in failed else PLANNED for name in names]
+    reasons = [in_few(failed[name]) if state == FAILED else "" for name, state in zip(names, states, strict=True)]
+    kept = found if sweep.keep == "runs" else {}
+    values = {
+        "run": range(len(points)),
+        "run_id": names,
+        "point": numbers,
+        "replicate": [point.replicate for point in points],
+        "seed": [point.seed for point in points],
+        "file": [file_of(Path(), name, "runs").as_posix() if name in kept else "" for name in names],
+        "state": states,
+        "reason": reasons,
+    }
+    about = [_column(name, meaning, values[name]) for name, meaning in ABOUT.items()]
+    keys = [_swept(key, [point.scenario for point in firsts.values()]) for key in sweep.keys]
+    swept = [replace(key, values=key.values[numbers]) for key in keys]
+    of_points = [
+        _column("point", "number of the point", range(len(firsts))),
+        _column("values", "swept values as written, as JSON", [*map(_values_of, firsts.values())]),
+        *keys,
     ]
-    values = [json.dumps(_values_of(point)) for point in of_points]
-    numbered = _column("point", "number of the point", np.arange(len(of_points)))
+    of_runs = [*about[:4], *swept, *about[4:], *figure_columns(runs)]
     return Index(
-        texts=_texts(sweep, of_points[0].scenario, command),
-        points=_by_name([numbered, _column("values", "swept values as written, as JSON", values), *keys]),
-        runs=_by_name(columns),
-        summaries=_summaries(runs, numbers, len(of_points)),
+        texts=_texts(sweep, next(iter(firsts.values())).scenario, command),
+        points={column.about.name: column for column in of_points},
+        runs={column.about.name: column for column in of_runs},
+        summaries=_summaries(runs, numbers, len(firsts)),
     )
 
 
-def _values_of(point: Point) -> dict[str, Any]:
-    """Return the swept values of a point as written, with the sizes of a swept file, which may go."""
+def _values_of(point: Point) -> str:
+    """Return the swept values of a point as written, with the sizes of a swept file, which may go, as JSON."""
     found = dict(point.values)
     if not found.keys().isdisjoint(_FILE_KEYS):
         sizes = point.scenario.resolved()["diameter"]
         found |= {f"diameter.{name}": sizes[name] for name in ("values", "hash")}
-    return found
+    return json.dumps(found)
 
 
 def _texts(sweep: Sweep, first: Scenario, command: str) -> dict[str, str]:
@@ -86,15 +105,11 @@ def _texts(sweep: Sweep, first: Scenario, command: str) -> dict[str, str]:
     }
 
 
-def _by_name(columns: Sequence[Filled]) -> dict[str, Filled]:
-    return {column.about.name: column for column in columns}
-
-
-def _column(name: str, meaning: str, values: Any) -> Filled:
-    """Return texts or whole numbers."""
-    array = np.array(values, dtype=np.str_ if isinstance(values[0], str) else np.int64)
-    units = "" if array.dtype.kind == "U" else "1"
-    return Filled(about=Dataset(name, units, "", meaning, dtype=array.dtype.str), values=array)
+def _column(name: str, meaning: str, values: Sequence[Any], units: str = "1") -> Filled:
+    """Return texts, whole numbers, or numbers in a unit."""
+    array = np.array(values)
+    about = Dataset(name, "" if array.dtype.kind == "U" else units, "", meaning, dtype=array.dtype.str)
+    return Filled(about=about, values=array)
 
 
 def _swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
@@ -104,29 +119,16 @@ def _swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
     meaning = keys_of(SECTIONS[section])[name].about
     units = {(value.kind.unit if isinstance(value, Quantity) and value.kind != RATIO else "1") for value in values}
     if len(units) == 1 and all(isinstance(value, int | float) for value in values):
-        return Filled(about=Dataset(key, units.pop(), "", meaning), values=np.array(values, dtype=np.float64))
+        return _column(key, meaning, [float(value) for value in values], units.pop())
     return _column(key, meaning, [value.as_text() if isinstance(value, Quantity) else str(value) for value in values])
 
 
-def _progress(
-    keep: Keep, points: Sequence[Point], found: Mapping[str, Figures], failed: Mapping[str, str]
-) -> Iterator[Filled]:
-    names = [point.run_id for point in points]
-    files = [file_of(Path(), name, keep).as_posix() if name in found and keep == "runs" else "" for name in names]
-    yield _column("file", "result of the run, seen from this folder", files)
-    states = [DONE if name in found else FAILED if name in failed else PLANNED for name in names]
-    yield _column("state", "planned, done or failed", states)
-    reasons = ["" if name in found else in_few(failed.get(name, "")) for name in names]
-    yield _column("reason", "why it failed", reasons)
-
-
-def _figures(runs: Sequence[Figures]) -> Iterator[Filled]:
-    names = dict.fromkeys(name for run in runs for name, value in run.items() if not isinstance(value, np.ndarray))
-    for name in names:
+def figure_columns(runs: Sequence[Figures]) -> Iterator[Filled]:
+    """Yield a column for each figure that a run has."""
+    for name in dict.fromkeys(name for run in runs for name, value in run.items() if not isinstance(value, np.ndarray)):
         # the name of a column begins with that of a figure of /summary
         unit = next((known.unit for figure, known in FIGURE_NAMES.items() if name.startswith(figure)), "") or "1"
-        about = Dataset(name, unit, "", name.replace("_", " "))
-        yield Filled(about=about, values=np.array([run.get(name, np.nan) for run in runs], dtype=np.float64))
+        yield _column(name, name.replace("_", " "), [float(run.get(name, np.nan)) for run in runs], unit)
 
 
 def _summaries(runs: Sequence[Figures], numbers: Sequence[int], points: int) -> dict[str, NDArray[Any]]:

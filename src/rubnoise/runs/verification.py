@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf, isnan
+from os.path import commonprefix
 from typing import Any, Final
 
 import numpy as np
@@ -19,7 +20,8 @@ from rubnoise.analysis.findings import attributes_of
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
-from rubnoise.record.reader import Reader, Rows, column_chunks
+from rubnoise.model import Model
+from rubnoise.record.reader import Rows, column_chunks
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Columns, Extent, Tee
 from rubnoise.record.tally import Moments, Tally
@@ -82,10 +84,8 @@ class Check:
         self.values += 1
         if found != expected:
             one, other = str(found), str(expected)
-            shared = next((n for n, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]), 0)
-            begin = max(shared - LONGEST // 2, 0)
-            one, other = one[begin : begin + LONGEST], other[begin : begin + LONGEST]
-            self.differ(f"{place} is {one}, should be {other}")
+            begin = max(len(commonprefix([one, other])) - LONGEST // 2, 0)  # noqa: RUF071  (of any text)
+            self.differ(f"{place} is {one[begin:][:LONGEST]}, should be {other[begin:][:LONGEST]}")
 
     def differ(self, said: str, count: int = 1) -> None:
         """Count differences, and keep what is said of the first one."""
@@ -214,22 +214,6 @@ def _check_description(structure: Check, attributes: Check, scenario: Scenario, 
                 attributes.say(f"{path} {name}", found=shown[0], expected=shown[1])
 
 
-def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verification:
-    """Return the verification with a check of each group, and of the summary if rows are right."""
-    compared, tally = _Compared(run), Tally.of(scenario.model())
-    compared.play(scenario, run, tally)
-    groups = [*compared.checks.values()]
-    if all(check.holds for check in groups):
-        summary = _summary_check(scenario, tally, run.summary)
-        return verification([*checks, *groups, summary])
-    there, here = str(run.provenance["environment"]), json.dumps(environment())
-    return verification(
-        [*checks, *groups],
-        [left_out("summary", "rows of the columns that it sums up differ")],
-        remark="" if there == here else f"the run was made on {there} and played again on {here}",
-    )
-
-
 class _BeyondFile(Exception):  # noqa: N818  (the file is wrong, not the program)
     """Raised at the first row that a file does not have."""
 
@@ -240,7 +224,7 @@ class _Compared:
     def __init__(self, rows: Rows) -> None:
         self._rows = rows
         self.checks = {group: Check(group) for group in rows.columns}
-        self._written = dict.fromkeys(self.checks, 0)
+        self.written = dict.fromkeys(self.checks, 0)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Compare rows of a group (see Sink)."""
@@ -248,31 +232,41 @@ class _Compared:
         for name, values in columns.items():
             found = self._rows.column(group, name, first_row, min(end, total))
             self.checks[group].equal(f"/{group}/{name}", first_row, found, values[: found.size])
+        self.written[group] = end
         if end > total:
-            self._count(group, "more")
+            self.count(group, "more")
             raise _BeyondFile
-        self._written[group] = end
 
-    def _count(self, group: str, expected: object) -> None:
+    def count(self, group: str, expected: object) -> None:
+        """Compare the number of rows."""
         self.checks[group].say(f"/{group} rows", found=self._rows.rows(group), expected=expected)
 
-    def play(self, scenario: Scenario, run: Reader, tally: Tally) -> None:
-        """Compare the table of a life, and the run, played again up to the first row that its file does not have.
 
-        If an intervention ended lives, births come from the seed and these ends from the file.
-        """
-        model = scenario.model()
-        for group, columns in () if model.free else life_tables(model.pulse).items():
-            self.write(group, 0, columns)
-        ended = ended_of(run) if INTERVENTION in run.provenance and not model.is_two_way else None
-        try:
-            scenario.check_size()
-            with suppress(_BeyondFile):
-                simulate(model, scenario.run.seed, Tee((self, tally)), engine="batch", ended=ended)
-                for group, written in self._written.items():
-                    self._count(group, written)
-        except (RubnoiseError, ArithmeticError) as problem:
-            self._count("slider" if model.slider else "trace", str(problem).partition("\n")[0])
+def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verification:
+    """Return the verification with a check of each group, and of the summary if rows are right.
+
+    The run is played again, up to the first row that its file does not have. If an intervention ended lives, births
+    come from the seed and these ends from the file.
+    """
+    model = scenario.model()
+    compared, tally = _Compared(run), Tally.of(model)
+    for group, columns in () if model.free else life_tables(model.pulse).items():
+        compared.write(group, 0, columns)
+    ended = ended_of(run) if INTERVENTION in run.provenance and not model.is_two_way else None
+    try:
+        scenario.check_size()
+        with suppress(_BeyondFile):
+            simulate(model, scenario.run.seed, Tee((compared, tally)), engine="batch", ended=ended)
+            for group, written in compared.written.items():
+                compared.count(group, written)
+    except (RubnoiseError, ArithmeticError) as problem:
+        compared.count("slider" if model.slider else "trace", str(problem).partition("\n")[0])
+    checks, remark = [*checks, *compared.checks.values()], ""
+    if all(check.holds for check in compared.checks.values()):
+        return verification([*checks, _summary_check(model, tally, run.summary)])
+    if (there := str(run.provenance["environment"])) != (here := json.dumps(environment())):
+        remark = f"the run was made on {there} and played again on {here}"
+    return verification(checks, [left_out("summary", "rows of the columns that it sums up differ")], remark)
 
 
 def ended_of(rows: Rows) -> Ended:
@@ -292,22 +286,20 @@ def ended_of(rows: Rows) -> Ended:
     return ended
 
 
-def _summary_check(scenario: Scenario, tally: Tally, stored: Mapping[str, object]) -> Check:
+def _summary_check(model: Model, tally: Tally, stored: Mapping[str, object]) -> Check:
     """Compare the summary with every figure of the rows, and of the theory of the scenario."""
     check, right, allowed = Check("summary"), dict[str, float](), dict[str, float]()
-    for figure in summarise(scenario.model(), tally):
+    for figure in summarise(model, tally):
         for name, value in attributes_of([figure]).items():
             right[name] = value
             allowed[name] = _allowed(figure, tally) if name == figure.name else EXACT * abs(value)
     for name in dict.fromkeys([*right, *stored]):
         found, expected = stored.get(name, "missing"), right.get(name, "no figure of this run")
-        same = isinstance(found, float) and isinstance(expected, float) and _near(found, expected, allowed[name])
-        check.say(f"/summary {name}", found=found, expected=found if same else expected)
+        if isinstance(found, float) and isinstance(expected, float):
+            near = abs(found - expected) <= allowed[name] or (isnan(found) and isnan(expected))
+            expected = found if near else expected
+        check.say(f"/summary {name}", found=found, expected=expected)
     return check
-
-
-def _near(found: float, expected: float, allowed: float) -> bool:
-    return found == expected or abs(found - expected) <= allowed or (isnan(found) and isnan(expected))
 
 
 def _allowed(figure: Row, tally: Tally) -> float:

@@ -1,12 +1,11 @@
 """Verify the folder of a sweep: every run is made again, and what the index says of runs is compared with their files.
 
-What only the index says, its texts and the reasons of failures, is left to its seal.
+What only the index says, its texts and the reasons of failures, is left to its hash.
 """
 
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -27,60 +26,6 @@ from rubnoise.storage.output import PART
 from rubnoise.storage.reader import open_run, refusing
 
 
-@dataclass(slots=True, kw_only=True)
-class _Results:
-    """The files of runs: the figures of each by its name, and the checks of their names and of what is in them."""
-
-    regenerate: bool
-    names: Check = field(default_factory=lambda: Check("names"))
-    runs: Check = field(default_factory=lambda: Check("runs"))
-    figures: dict[str, Figures] = field(default_factory=dict)
-    left_out: Counter[tuple[str, str]] = field(default_factory=Counter)
-
-    def take(self, path: Path) -> None:
-        """Verify a file in the folder of runs."""
-        place = f"{RUNS}/{path.name}"
-        try:
-            if path.suffix == SUFFIXES["runs"]:
-                self._take_run(path, place)
-            elif path.suffix == SUFFIXES["summary"]:
-                self._take_summary(path, place)
-            else:
-                self.names.differ(f"{place} is no file of a run")
-        except RunFileRefused as refusal:
-            self.runs.differ(f"{place} {str(refusal).removeprefix(f'{path}: ')[:LONGEST]}")
-
-    def _note(self, path: Path, resolved: Mapping[str, Any], figures: Figures) -> None:
-        """Note what a file is of."""
-        found = f"the result of {name_in(resolved, path) or 'no run of this version'}"
-        self.names.say(f"{RUNS}/{path.name}", found=found, expected=f"the result of {path.stem}")
-        self.figures[path.stem] = figures
-
-    def _take_run(self, path: Path, place: str) -> None:
-        with open_run(path) as run:
-            self._note(path, scenario_in(run), numbers_in(run.summary))
-            found = verify(run, regenerate=self.regenerate)
-        self.runs.values += found.values
-        self.left_out.update(found.left_out.items())
-        for check in found.different:
-            self.runs.differ(f"{place} {check.first}")
-
-    def _take_summary(self, path: Path, place: str) -> None:
-        """Make a run that keeps its summary alone again, and compare every figure and curve bit for bit."""
-        resolved, kept = read(path)
-        found = dict(kept or {})
-        self._note(path, resolved, found)
-        if not resolved:
-            return
-        right = summarised(stored(resolved, f"{path}: the scenario in the file"), first="spectrum_place" in found)
-        for name in {**found, **right}:
-            one, other = (np.asarray(each.get(name, "missing")) for each in (found, right))
-            self.runs.values += other.size
-            if one.dtype != other.dtype or one.shape != other.shape or one.tobytes() != other.tobytes():
-                here, there = (str(each.tolist())[:LONGEST] for each in (one, other))
-                self.runs.differ(f"{place} {name} is {here}, should be {there}")
-
-
 def verify_sweep(
     folder: str | os.PathLike[str],
     *,
@@ -92,19 +37,56 @@ def verify_sweep(
     ``watch`` is called with the number of runs checked and of all runs; ``regenerate`` is that of `verify`. Raises
     RunFileRefused for a folder that is not that of a sweep, or that cannot be read.
     """
-    root, results = Path(folder), _Results(regenerate=regenerate)
+    root, figures, incomplete = Path(folder), dict[str, Figures](), Counter[tuple[str, str]]()
+    index, names, runs = checks = Check("index"), Check("names"), Check("runs")
     try:
         if not root.is_dir() or not ((root / INDEX).exists() or (root / RUNS).is_dir()):
             raise RunFileRefused(f"{root}: is not a sweep folder: it has neither {INDEX} nor {RUNS}")
         files = sorted(_seen(root / RUNS))
         for number, path in enumerate(files):
             watch(number, len(files))
-            results.take(path)
-        omitted = list(_left_out(root, results))
-        return verification((_index_check(root, results, omitted), results.names, results.runs), omitted)
+            place = f"{RUNS}/{path.name}"
+            if path.suffix not in SUFFIXES.values():
+                names.differ(f"{place} is no file of a run")
+                continue
+            try:
+                resolved, figures[path.stem], found = _verified(path, regenerate=regenerate)
+                name = name_in(resolved, path) or "no run of this version"
+            except RunFileRefused as refusal:
+                runs.differ(f"{place} {str(refusal).removeprefix(f'{path}: ')[:LONGEST]}")
+                continue
+            names.say(place, found=f"the result of {name}", expected=f"the result of {path.stem}")
+            runs.values += found.values
+            incomplete.update(found.left_out.items())
+            for check in found.different:
+                runs.differ(f"{place} {check.first}")
+        omitted = [*_left_out(root, incomplete), *_compare_index(index, root, figures)]
+        return verification(checks, omitted)
     except OSError as problem:  # a folder in it may be closed to who asks, or be on a disk that fails
         reason = (problem.strerror or str(problem)).lower()
         raise RunFileRefused(f"{problem.filename or root}: {reason}") from problem
+
+
+def _verified(path: Path, *, regenerate: bool) -> tuple[Mapping[str, Any], Figures, Verification]:
+    """Return the scenario and the figures in the file of a run, and its verification.
+
+    A run that keeps its summary alone is made again, and every figure and curve is compared bit for bit.
+    """
+    if path.suffix == SUFFIXES["runs"]:
+        with open_run(path) as run:
+            return scenario_in(run), numbers_in(run.summary), verify(run, regenerate=regenerate)
+    (resolved, kept), check = read(path), Check("summary")
+    found, right = dict(kept or {}), dict[str, Any]()
+    if resolved:
+        scenario = stored(resolved, f"{path}: the scenario in the file")
+        right |= summarised(scenario, first="spectrum_place" in found)
+    for name in {**found, **right} if right else ():
+        one, other = (np.asarray(each.get(name, "missing")) for each in (found, right))
+        check.values += other.size
+        if one.dtype != other.dtype or one.shape != other.shape or one.tobytes() != other.tobytes():
+            here, there = (str(each.tolist())[:LONGEST] for each in (one, other))
+            check.differ(f"{name} is {here}, should be {there}")
+    return resolved, found, verification([check])
 
 
 def _seen(folder: Path) -> list[Path]:
@@ -113,9 +95,9 @@ def _seen(folder: Path) -> list[Path]:
     return [path for path in there if not path.name.startswith(".") and not path.name.endswith(PART)]
 
 
-def _left_out(root: Path, results: _Results) -> Iterator[Row]:
+def _left_out(root: Path, incomplete: Counter[tuple[str, str]]) -> Iterator[Row]:
     """Yield what is not compared: parts left out for runs, unfinished runs and other files."""
-    for (name, reason), count in sorted(results.left_out.items()):
+    for (name, reason), count in sorted(incomplete.items()):
         yield left_out(name, f"{count:,} runs: {reason}" if count > 1 else f"a run: {reason}")
     for part in sorted((root / RUNS).glob(f"*{PART}")):
         yield left_out(f"{RUNS}/{part.name}", "unfinished; the same sweep makes it")
@@ -124,30 +106,29 @@ def _left_out(root: Path, results: _Results) -> Iterator[Row]:
             yield left_out(path.name, "it is no file of the sweep")
 
 
-def _index_check(root: Path, results: _Results, omitted: list[Row]) -> Check:
-    """Check that the index is as it was written, and that it has the figures and the runs that the files have."""
-    notes = Check("index")
+def _compare_index(check: Check, root: Path, kept: Mapping[str, Figures]) -> Iterator[Row]:
+    """Compare the runs and the figures in the index with those that the files have; yield what cannot be compared."""
     try:
         index = read_index(root / INDEX)
     except RunFileRefused as refusal:
         missing = "missing" if not (root / INDEX).exists() else str(refusal).removeprefix(f"{root / INDEX}: ")
-        notes.say(INDEX, found=missing, expected="the index; the same sweep writes it again")
-        return notes
+        check.say(INDEX, found=missing, expected="the index; the same sweep writes it again")
+        return
     names, points, seeds, states = (index.runs[name].values.tolist() for name in ("run_id", "point", "seed", "state"))
-    if any(state != DONE and name in results.figures for name, state in zip(names, states, strict=True)):
-        omitted.append(left_out("index", "it is older than some runs; the same sweep renews it"))
+    if any(state != DONE and name in kept for name, state in zip(names, states, strict=True)):
+        yield left_out("index", "it is older than some runs; the same sweep renews it")
     with refusing(root / INDEX):
         scenarios = [index.scenario(point).resolved() for point in range(len(index.values))]
     for name, point, seed in zip(names, points, seeds, strict=True):
-        place = f"{INDEX} /runs/point and /runs/seed of {name}: run"
-        notes.say(place, found=name_of(scenarios[point], seed), expected=name)
-    files = any(index.runs["file"].values) or not results.figures
+        check.say(
+            f"{INDEX} /runs/point and /runs/seed of {name}: run", found=name_of(scenarios[point], seed), expected=name
+        )
+    files = any(index.runs["file"].values) or not kept
     for name, figures in figures_in(index, "runs" if files else "summary"):
-        notes.say(f"{INDEX} {RUNS}/{name}", found=DONE if name in results.figures else "missing", expected=DONE)
-        kept = results.figures.get(name, figures)
-        for figure in {**figures, **kept}:
-            found, right = (str(np.asarray(each.get(figure, nan)).tolist()) for each in (figures, kept))
-            notes.say(f"{INDEX} /runs/{figure} of {name}", found=found, expected=right)
-    if others := len(results.figures.keys() - set(names)):
-        omitted.append(left_out(f"{others:,} of {RUNS}", "the index lacks them"))
-    return notes
+        check.say(f"{INDEX} {RUNS}/{name}", found=DONE if name in kept else "missing", expected=DONE)
+        right = kept.get(name, figures)
+        for figure in {**figures, **right}:
+            found, expected = (str(np.asarray(each.get(figure, nan)).tolist()) for each in (figures, right))
+            check.say(f"{INDEX} /runs/{figure} of {name}", found=found, expected=expected)
+    if others := len(kept.keys() - set(names)):
+        yield left_out(f"{others:,} of {RUNS}", "the index lacks them")
