@@ -7,10 +7,8 @@ keeps its summary alone has its figures and curves in an archive of numpy's.
 import json
 import os
 import re
-from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, cast
 
@@ -26,7 +24,6 @@ from rubnoise.scenario.sweep_keys import Keep
 from rubnoise.simulation.draws import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
-from rubnoise.storage.forecast import check_sweep_space, expected, together
 from rubnoise.storage.output import OutputInUse, whole_file
 from rubnoise.storage.reader import InUse, TooNew, open_run
 from rubnoise.storage.writer import RunWriter
@@ -229,13 +226,3 @@ def in_shard(shard: str, whole: Iterable[str]) -> set[str]:
     if found is None or int(found[1]) > int(found[2]):
         raise Refused(f'shard=: "{shard[:20]}" is no part of a whole; right form: shard="2/8", from 1/8 to 8/8')
     return set(sorted(whole)[int(found[1]) - 1 :: int(found[2])])
-
-
-def check_room(sweep: Sweep, root: Path, jobs: int, points: Sequence[Point]) -> None:
-    """Refuse a sweep if its results do not fit on the disk, or the runs at one time not into memory."""
-    counts = Counter(point.scenario.model() for point in points)
-    one_of_each = {point.scenario.model(): point.scenario for point in points}
-    budget = together((expected(one_of_each[model]), count) for model, count in counts.items())
-    if sweep.keep == "summary":
-        budget = replace(budget, result_bytes=0, disk_bytes=0)
-    check_sweep_space(budget, root, jobs=min(jobs, len(points)))

@@ -19,19 +19,10 @@ from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped
 from rubnoise.regular_file import INDEX
 from rubnoise.runs import executors
 from rubnoise.runs.executors import Failed
-from rubnoise.runs.folder import (
-    RUNS,
-    Figures,
-    check_folder,
-    check_room,
-    check_strangers,
-    file_of,
-    found,
-    in_shard,
-    made,
-)
+from rubnoise.runs.folder import RUNS, Figures, check_folder, check_strangers, file_of, found, in_shard, made
 from rubnoise.runs.index import index_of, known_runs
 from rubnoise.scenario.sweep import Case, Point, Sweep, points_of, run_id
+from rubnoise.storage.forecast import check_sweep_space
 from rubnoise.storage.index import index_bytes
 from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import OutputInUse, whole_file
@@ -188,7 +179,9 @@ class _Making:
         """Take up the runs that are there, then make the missing ones until none is left."""
         if not (missing := self._missing()):
             return
-        check_room(self._sweep, self._root, (jobs or executors.processors()) if executor is None else 0, missing)
+        processes = (jobs or executors.processors()) if executor is None else 0
+        scenarios = [point.scenario for point in missing]
+        check_sweep_space(scenarios, self._root, jobs=processes, keep=self._sweep.keep)
         self._already = self._done
         with executors.opened(executor, jobs, None if self._sweep.precision else len(missing)) as workers:
             (self._root / RUNS).mkdir(parents=True, exist_ok=True)
