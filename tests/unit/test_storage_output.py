@@ -13,15 +13,9 @@ from types import ModuleType
 
 import pytest
 
-from rubnoise.errors import OutputRefused, RunFileRefused
+from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
 from rubnoise.storage import output
-from rubnoise.storage.output import (
-    OutputInUse,
-    OutputSwappedError,
-    WrittenWithLess,
-    check_output,
-    part_file,
-)
+from rubnoise.storage.output import OutputInUse, WrittenWithLess, check_output, part_file
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from tests.files.runs import Compression, attempt, describe, names, random_rows
@@ -210,7 +204,7 @@ def replaced(path: Path, content: bytes) -> None:
 def test_a_part_that_was_swapped_is_not_published_and_stays(tmp_path: Path, compression: Compression) -> None:
     part = tmp_path / "run.h5.part"
     (tmp_path / "run.h5").write_bytes(b"older")
-    with pytest.raises(OutputSwappedError, match=r"run\.h5\.part: another file has taken its place .* is not written"):
+    with pytest.raises(RubnoiseError, match=r"run\.h5\.part: another file has taken its place .* is not written"):
         attempt(
             tmp_path / "run.h5", compression=compression, force=True, meanwhile=lambda: replaced(part, b"of another")
         )
