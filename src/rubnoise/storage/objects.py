@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.schema import CHUNK_ROWS, Dataset, Scalar
+from rubnoise.storage.schema import CHUNK_ROWS, HASH, Dataset, Scalar
 
 REMEDY: Final = "copy it again, or run its scenario again"
 
@@ -34,11 +34,15 @@ DEFLATE_RATIO = 1032
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ColumnPlace:
-    """Where the rows of a column lie in their file; the offset is 0 without rows, and for compressed chunks."""
+    """Where the rows of a column lie in their file, and their hash.
+
+    The offset is 0 without rows, and for compressed chunks.
+    """
 
     offset: int
     rows: int
     dtype: str
+    digest: str
 
 
 def opened_by_hdf5(path: str | os.PathLike[str], descriptor: int) -> h5py.File:
@@ -102,8 +106,8 @@ def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.Pr
     return dataset, creation
 
 
-def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h5py.Dataset, ColumnPlace]:
-    """Return the dataset of a column and the place of its rows, if type, shape and storage are those of the schema.
+def sound_column(owner: h5py.Group, column: Dataset, file_size: int) -> ColumnPlace:
+    """Return the place of the rows of a column, if type, shape and storage of its dataset are those of the schema.
 
     Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
     shuffle and deflate, more rows than the file's bytes can hold.
@@ -111,14 +115,14 @@ def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h
     path, (dataset, creation) = f"{owner.name}/{column.name}", own_dataset(owner, column.name)
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
+    offset = dataset.id.get_offset() or 0
     if creation.get_layout() == h5py.h5d.CONTIGUOUS:
-        offset = dataset.id.get_offset() or 0
         whole = not dataset.size or dataset.id.get_storage_size() == dataset.nbytes <= file_size - offset
     else:
-        offset, whole = 0, _is_packed_whole(dataset, creation, file_size)
+        whole = _is_packed_whole(dataset, creation, file_size)
     if not whole:
         raise RunFileRefused(f"{path} is not stored as our files store it")
-    return dataset, ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype)
+    return ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype, digest=stored_hash(dataset))
 
 
 def _is_packed_whole(dataset: h5py.Dataset, creation: h5py.h5p.PropDCID, file_size: int) -> bool:
@@ -156,6 +160,11 @@ def rows_of_chunks(dataset: h5py.Dataset, first: int, last: int) -> NDArray[Any]
         here = slice(max(first, begin), min(last, begin + rows))
         values[here.start - first : here.stop - first] = chunk[here.start - begin : here.stop - begin]
     return values
+
+
+def stored_hash(owner: h5py.HLObject) -> str:
+    """Return a stored hash, which is part of no other attributes; empty if there is none."""
+    return str(read_attribute(owner, HASH, str)) if HASH in owner.attrs else ""
 
 
 def read_attributes(owner: h5py.HLObject, kinds: Mapping[str, type | UnionType]) -> dict[str, Scalar]:

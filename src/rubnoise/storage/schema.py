@@ -1,6 +1,6 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
-from collections.abc import Collection, Container, Mapping
+from collections.abc import Collection, Container, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from enum import IntEnum
 from types import UnionType
@@ -59,6 +59,15 @@ TELLTALES: Final[Mapping[Feature, str]] = {
     "base": "slider/base_displacement",
 }
 """What a file has with each feature alone."""
+
+NEEDED: Final[Sequence[tuple[Feature, Sequence[Feature]]]] = (
+    ("slider", ("speed",)),
+    ("slider", ("strength", "base")),
+    ("two-way", ("slider",)),
+    ("free", ("load",)),
+    ("free", ("speed",)),
+)
+"""Features that are never alone, each with those of which it needs one."""
 
 
 @dataclass(frozen=True, slots=True)
