@@ -30,7 +30,7 @@ from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
 from rubnoise.simulation.run import Ended, simulate
 from rubnoise.storage.format import seal_of
-from rubnoise.storage.inventory import OF_HDF5, Entry, expected_inventory
+from rubnoise.storage.inventory import expected_inventory
 from rubnoise.storage.layout import environment
 from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.reader import RunFile
@@ -201,17 +201,14 @@ def _check_description(structure: Check, attributes: Check, scenario: Scenario, 
     right = describe(scenario, run.path, (), str(run.provenance.get(INTERVENTION, "")), extent)
     right = right if scenario.title else replace(right, title=str(run.attributes["title"]))
     found, expected = run.inventory(), expected_inventory(right)
-    for path in dict.fromkeys([*expected, *found]):
-        there, here = (each.get(path, Entry("missing")) for each in (found, expected))
-        structure.say(path, found=there.words, expected=here.words)
-        has, should = there.attributes, here.attributes
-        for name in dict.fromkeys([*should, *has]) if path in found and path in expected else ():
-            of_rows = path == "/summary" and name not in should
-            if not of_rows and not (name in ORIGIN and name in has and name in should):
-                one, other = (each.get(name, ("missing", "missing")) for each in (has, should))
-                same = json.dumps(one[0]) == json.dumps(other[0])
-                shown = [each[1] if same and name not in OF_HDF5 else json.dumps(each[0]) for each in (one, other)]
-                attributes.say(f"{path} {name}", found=shown[0], expected=shown[1])
+    for path, name in dict.fromkeys([*expected, *found]):
+        there, here = (each.get((path, name), "missing") for each in (found, expected))
+        if not name:
+            structure.say(path, found=there, expected=here)
+        elif (path, "") in found and (path, "") in expected:
+            of_rows = path == "/summary" and here == "missing"
+            if not of_rows and not (name in ORIGIN and "missing" not in (there, here)):
+                attributes.say(f"{path} {name}", found=there, expected=here)
 
 
 class _BeyondFile(Exception):  # noqa: N818  (the file is wrong, not the program)

@@ -1,7 +1,7 @@
-"""What a result file holds beside its rows, by name, and what the file of a correct run would hold."""
+"""What a result file holds beside its rows, in words by place, and what the file of a correct run would hold."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import json
+from collections.abc import Iterator
 from tempfile import TemporaryFile
 from typing import Any, Final
 
@@ -13,23 +13,14 @@ from rubnoise.storage.format import add_group, compose, hdf5_on
 from rubnoise.storage.layout import RunDescription, row_count, stored_groups
 from rubnoise.storage.objects import ATTRIBUTE_BYTES, MOST_ATTRIBUTES
 
-MOST_OBJECTS: Final = 20_000
-"""More groups and columns are in no file of ours, be it the index of the largest sweep."""
+MOST_ENTRIES: Final = 20_000
+"""More groups, columns and attributes together are in no file of ours."""
 
 DEEPEST: Final = 4
 """Groups that lie deeper below the root than this are in no file of ours."""
 
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """One object of a file in words, and its attributes by name, each with its value, or None if long, and its type."""
-
-    words: str
-    attributes: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
-
-
-Inventory = Mapping[str, Entry]
-"""What there is, by path."""
+Inventory = dict[tuple[str, str], str]
+"""What there is, by the path of an object and an empty text, or the name of its attribute."""
 
 OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
 """Attributes that HDF5 writes itself, in types of its own choice: which scale a dataset has."""
@@ -48,28 +39,36 @@ def expected_inventory(about: RunDescription) -> Inventory:
 def inventory_of(file: h5py.File) -> Inventory:
     """Return everything that a file holds; of objects that are neither groups nor datasets of the file, only the names.
 
-    Raises RunFileRefused for more objects than any of our files has.
+    Raises RunFileRefused for more than any of our files has.
     """
-    found: dict[str, Entry] = {}
-    waiting = [("", file["/"])]
-    while waiting:
-        path, owner = waiting.pop()
-        found[path or "/"] = Entry("group", _attributes(owner))
-        if len(found) + len(waiting) + owner.id.get_num_objs() > MOST_OBJECTS:
-            raise RunFileRefused(f"holds more than {MOST_OBJECTS} groups and columns")
-        for name in owner:
-            place = f"{path}/{_readable(name)}"
-            entry = owner[name] if isinstance(owner.get(name, getlink=True), h5py.HardLink) else None
-            if isinstance(entry, h5py.Group) and place.count("/") < DEEPEST:
-                waiting.append((place, entry))
-            elif isinstance(entry, h5py.Dataset):
-                found[place] = _dataset(entry)
-            else:
-                found[place] = Entry("group" if isinstance(entry, h5py.Group) else "link" if entry is None else "type")
+    found = Inventory()
+    for path, name, words in _of_object("", file["/"]):
+        found[path or "/", name] = words
+        if len(found) > MOST_ENTRIES:
+            raise RunFileRefused(f"holds more than {MOST_ENTRIES} groups, columns and attributes")
     return found
 
 
-def _dataset(dataset: h5py.Dataset) -> Entry:
+def _of_object(path: str, owner: h5py.HLObject | None) -> Iterator[tuple[str, str, str]]:
+    """Yield an object, its attributes, and what it holds; None is an object that no hard link leads to."""
+    if isinstance(owner, h5py.Dataset):
+        words, scales = _dataset(owner)
+        yield path, "", words
+        yield path, "scale", str(scales)
+    else:
+        yield path, "", "group" if isinstance(owner, h5py.Group) else "link" if owner is None else "type"
+    if isinstance(owner, h5py.Dataset | h5py.Group):
+        yield from ((path, name, words) for name, words in _attributes(owner))
+    if isinstance(owner, h5py.Group) and path.count("/") < DEEPEST:
+        if owner.id.get_num_objs() > MOST_ENTRIES:
+            raise RunFileRefused(f"{path} holds {owner.id.get_num_objs()} objects")
+        for name in owner:
+            hard = isinstance(owner.get(name, getlink=True), h5py.HardLink)
+            yield from _of_object(f"{path}/{_readable(name)}", owner[name] if hard else None)
+
+
+def _dataset(dataset: h5py.Dataset) -> tuple[str, list[str]]:
+    """Return a dataset in words, and the datasets that it lies along."""
     creation = dataset.id.get_create_plist()
     layout, storage = creation.get_layout(), "elsewhere"
     if layout == h5py.h5d.CONTIGUOUS and not creation.get_external_count():
@@ -80,22 +79,21 @@ def _dataset(dataset: h5py.Dataset) -> Entry:
     # HDF5 would look into other files for the shape of a virtual dataset.
     shape = [] if layout == h5py.h5d.VIRTUAL else list(dataset.shape or ())
     scales = [scale.name for scale in dataset.dims[0].values()] if storage != "elsewhere" and len(shape) == 1 else []
-    words = f"dataset, {_type(dataset.dtype)}, {shape}, {storage}"
-    return Entry(words, _attributes(dataset) | {"scale": (scales, "path")})
+    return f"dataset, {_type(dataset.dtype)}, {shape}, {storage}", scales
 
 
-def _attributes(owner: h5py.HLObject) -> dict[str, tuple[Any, str]]:
+def _attributes(owner: h5py.HLObject) -> Iterator[tuple[str, str]]:
+    """Yield names and values, None for a long one, with their types."""
     if (count := h5py.h5a.get_num_attrs(owner.id)) > MOST_ATTRIBUTES:
         raise RunFileRefused(f"{owner.name} has {count} attributes")
-    found: dict[str, tuple[Any, str]] = {}
     for name in owner.attrs:
         attribute, value = owner.attrs.get_id(name), None
         plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.dtype.kind in "Siuf"
         if plain and attribute.shape is not None:
             raw = np.asarray(owner.attrs[name])
             value = (np.char.decode(raw, "utf-8", "backslashreplace") if raw.dtype.kind == "S" else raw).tolist()
-        found[_readable(name)] = value, _type(attribute.dtype)
-    return found
+        kind = "" if name in OF_HDF5 else f", {_type(attribute.dtype)}"
+        yield _readable(name), f"{json.dumps(value)}{kind}"
 
 
 def _type(kind: np.dtype[Any]) -> str:
