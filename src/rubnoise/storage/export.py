@@ -1,6 +1,7 @@
 """Export of results as CSV, Parquet or netCDF: a group is a table, written chunk by chunk."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Final, Literal, TextIO
 
@@ -10,7 +11,7 @@ from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import chunks
 from rubnoise.storage.format import Unfailing
 from rubnoise.storage.layout import stored_groups
-from rubnoise.storage.output import PartFile, check_output, naming_file, whole_files
+from rubnoise.storage.output import PartFile, check_output, naming_file, part_file
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import CONVENTIONS, Dataset, Group, Scalar
 
@@ -120,9 +121,10 @@ def export(
     """
     for path in files:
         check_output(path, force=force, reads=[file.path])
-    with whole_files([*files], force=force) as parts:
-        for part, (path, groups) in zip(parts, files.items(), strict=True):
-            with naming_file(path):
+    with ExitStack() as held:
+        parts = [held.enter_context(part_file(path, force=force)) for path in files]
+        for part, groups in zip(parts, files.values(), strict=True):
+            with naming_file(part.final):
                 if kind == "netcdf":
                     _write_netcdf(part, file, groups, between)
                 elif kind == "parquet":
@@ -130,3 +132,6 @@ def export(
                 else:
                     with part.path.open("w", encoding="ascii", newline="") as stream:
                         write_csv(stream, file, groups[0], between)
+        for part in parts:
+            with naming_file(part.final):
+                part.finish()

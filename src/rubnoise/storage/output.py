@@ -8,8 +8,8 @@ import errno
 import os
 import stat
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -219,25 +219,9 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     Raises OutputRefused, before anything is created, if nothing may or can be written, RubnoiseError if the disk
     fails. If the block raises, the file is removed.
     """
-    with whole_files([path], force=force) as (part,), naming_file(path):
+    with part_file(path, force=force) as part, naming_file(path):
         yield part.path
-
-
-@contextmanager
-def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iterator[list[PartFile]]:
-    """Yield parts as `part_file` does; when all are on disk they get their names, all or none of them.
-
-    The caller names the file in an error of the disk (see `naming_file`).
-    """
-    with ExitStack() as held:
-        parts = [held.enter_context(part_file(path, force=force)) for path in paths]
-        yield parts
-        for part in parts:
-            with naming_file(part.final):
-                os.fsync(part.descriptor)
-        for part in parts:
-            with naming_file(part.final):
-                part.finish()
+        part.finish()
 
 
 @contextmanager
