@@ -37,7 +37,7 @@ def assert_holds(path: Path, rows: Rows) -> None:
                 found = run.column(group, name)
                 assert found.dtype == values.dtype
                 assert found.tobytes() == values.tobytes()
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 @pytest.mark.slow

@@ -53,7 +53,7 @@ def test_a_file_that_appears_during_the_run_is_spared(tmp_path: Path) -> None:
     assert (tmp_path / "run.h5").read_bytes() == b"of another"
     assert names(tmp_path) == ["run.h5", "run.h5.part"]
     with open_run(tmp_path / "run.h5.part") as run:
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 def test_a_disk_without_hard_links_gets_a_rename(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -80,7 +80,7 @@ def test_an_existing_file_is_refused_and_replaced_by_force(tmp_path: Path) -> No
     attempt(tmp_path / "run.h5", force=True)
     assert names(tmp_path) == ["run.h5"]
     with open_run(tmp_path / "run.h5") as run:
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 @pytest.mark.parametrize("left", [b"", b"older", b"x" * 10**6])
@@ -90,7 +90,7 @@ def test_a_part_of_a_dead_run_is_overwritten(tmp_path: Path, left: bytes, compre
     attempt(tmp_path / "run.h5", compression=compression)
     assert names(tmp_path) == ["run.h5"]
     with open_run(tmp_path / "run.h5") as run:
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 @pytest.mark.parametrize(
@@ -229,7 +229,7 @@ def test_a_file_system_without_locks_or_without_space_to_reserve_gets_one_note(
     assert [str(note.message).startswith(said) for note in noted] == [True]
     assert noted[0].category is WrittenWithLess
     with open_run(tmp_path / "run.h5") as run:
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EIO])

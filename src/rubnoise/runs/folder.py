@@ -14,7 +14,7 @@ from typing import Any, Final, cast
 
 import numpy as np
 
-from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
+from rubnoise.analysis.run_summary import SummarySink, curve_theory
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.runs.making import describe, play
@@ -37,7 +37,7 @@ SUFFIXES: Final[Mapping[Keep, str]] = {"runs": ".h5", "summary": ".npz"}
 Figures = Mapping[str, Any]
 """What the index of a sweep has of a run by name: figures as numbers, and of a run that keeps no more its curves.
 
-Arrays that are no CURVES are equal for all replicates of a point; the first one has them.
+Arrays that are no CURVES of `analysis.run_summary` are equal for all replicates of a point; the first one has them.
 """
 
 
@@ -82,15 +82,11 @@ def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda _distan
 
 def _save(path: Path, scenario: Scenario, summary: Figures) -> None:
     numbers = numbers_in(summary)
-    arrays = {
-        f"{'curve' if name in CURVES else 'point'} {name}": values
-        for name, values in summary.items()
-        if name not in numbers
-    }
-    arrays |= {"names": np.array([*numbers]), "values": np.array([*numbers.values()])}
-    arrays |= {"stream_version": np.array(STREAM_VERSION), "scenario": np.array(json.dumps(scenario.resolved()))}
+    kept = {name: values for name, values in summary.items() if name not in numbers}
+    kept |= {"names": np.array([*numbers]), "values": np.array([*numbers.values()])}
+    kept |= {"stream_version": np.array(STREAM_VERSION), "scenario": np.array(json.dumps(scenario.resolved()))}
     with path.open("wb") as file:
-        np.savez(file, allow_pickle=False, **arrays)
+        np.savez(file, allow_pickle=False, **kept)
 
 
 def found(point: Point, path: Path) -> Figures | None:
@@ -140,13 +136,13 @@ def scenario_in(file: Reader) -> Mapping[str, Any]:
 
 def _read_summary(path: Path) -> tuple[Mapping[str, Any], Figures]:
     try:
-        with np.load(path) as kept:
-            same = kept["stream_version"] == STREAM_VERSION
-            figures = dict(zip(kept["names"].tolist(), kept["values"].tolist(), strict=True))
-            arrays = {
-                name.partition(" ")[2]: kept[name] for name in kept.files if name.startswith(("curve ", "point "))
-            }
-            return dict(json.loads(str(kept["scenario"]))) if same else {}, figures | arrays
+        with np.load(path) as file:
+            kept = dict(file)
+        version, scenario, names, values = (
+            kept.pop(name) for name in ("stream_version", "scenario", "names", "values")
+        )
+        figures = dict(zip(names.tolist(), values.tolist(), strict=True))
+        return dict(json.loads(str(scenario))) if version == STREAM_VERSION else {}, figures | kept
     except OSError as problem:
         raise RunFileRefused(f"{path}: {str(problem.strerror or problem).lower()}") from problem
     except Exception as problem:  # noqa: BLE001  (what a damaged archive raises, which may be any error)

@@ -30,6 +30,9 @@ SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 READ_BYTES: Final = 64 * 1024**2
 """Longer columns are mapped: the system then reads the rows that are used."""
 
+UNREADABLE: Final = "unreadable"
+CHANGED: Final = "not what its hash was taken of"
+
 Watch = Callable[[str, int, int], None]
 """Called at each read with the path of the column, the row up to which is read, and how many rows there are."""
 
@@ -136,24 +139,25 @@ class RunFile:
                 return values
         raise RunFileRefused(f"cut short; {objects.REMEDY}")
 
-    def damaged(self) -> tuple[str, ...]:
-        """Return the columns that cannot be read or differ from their stored hash; reads the whole file."""
-        every = ((group, name) for group, names in self.columns.items() for name in names)
-        return tuple(f"/{group}/{name}" for group, name in every if not self._is_intact(group, name))
+    def damaged(self) -> dict[str, str]:
+        """Return what is wrong with columns by their paths: UNREADABLE, or CHANGED; reads the whole file."""
+        found = {}
+        for group, names in self._columns.items():
+            for name, place in names.items():
+                digest = xxhash.xxh3_128()
+                try:
+                    for values in column_chunks(self, group, name):
+                        digest.update(values.data)
+                except RunFileRefused:
+                    found[f"/{group}/{name}"] = UNREADABLE
+                else:
+                    found |= {} if digest.hexdigest() == place.digest else {f"/{group}/{name}": CHANGED}
+        return found
 
     def inventory(self) -> Inventory:
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
         with self._reading(), objects.naming_damage():
             return inventory_of(self._file)
-
-    def _is_intact(self, group: str, name: str) -> bool:
-        digest = xxhash.xxh3_128()
-        try:
-            for values in column_chunks(self, group, name):
-                digest.update(values.data)
-        except RunFileRefused:
-            return False
-        return digest.hexdigest() == self._columns[group][name].digest
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
