@@ -172,7 +172,6 @@ class _Making:
         if shard is not None and not sweep.precision:
             names = [point.run_id for point in self._adaptive.points]
             self._left = {*names} - in_shard(shard, names)
-        self._others = frozenset(self._left)
         self._due = time.monotonic() + EVERY if shard is None else inf  # a shard writes the index only at its end
 
     def make_all(self, jobs: int | None, executor: Any) -> None:
@@ -203,7 +202,7 @@ class _Making:
         missing = list[Point]()
         while not missing and (wanted := [p for p in self._adaptive(self._ended()) if p.run_id not in self._left]):
             missing = [point for point in wanted if not self._take_up(point)]
-        own = [point.run_id for point in self._adaptive.points if point.run_id not in self._others]
+        own = [point.run_id for point in self._adaptive.points if point.run_id not in self._left]
         self._runs, self._done = len(own), sum(name in self._found for name in own)
         return missing
 

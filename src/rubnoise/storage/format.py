@@ -19,18 +19,9 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.regular_file import read_into, write_all
-from rubnoise.storage.layout import Name, RunDescription, grows, package_version, row_count, stored_groups
+from rubnoise.storage.layout import Name, RunDescription, package_version, row_count, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA
-from rubnoise.storage.schema import (
-    CHUNK_ROWS,
-    CONVENTIONS,
-    FORMAT,
-    FORMAT_VERSION,
-    HASH,
-    HASH_DIGITS,
-    Group,
-    Scalar,
-)
+from rubnoise.storage.schema import CHUNK_ROWS, CONVENTIONS, FORMAT, FORMAT_VERSION, HASH, HASH_DIGITS, Group, Scalar
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer, WriteableBuffer
@@ -115,8 +106,9 @@ def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
         put_attribute(file.id, name, value)
     places: dict[Name, int] = {}
     for group in stored_groups(about.features):
-        if about.compression == "none" and not grows(group, about.extent):
-            places |= add_group(file, group, row_count(group, about.extent), "none")
+        rows = row_count(group, about.extent)
+        if about.compression == "none" and rows is not None:
+            places |= add_group(file, group, rows, "none")
     put_attribute(_create_group(file, "summary", notes=True), "NX_class", "NXcollection")
     provenance = _create_group(file, "provenance", notes=True)
     begun = {**about.provenance, "finished": "", HASH: "0" * HASH_DIGITS}

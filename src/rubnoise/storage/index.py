@@ -26,16 +26,7 @@ from rubnoise.storage.schema import CONVENTIONS, INDEX_FORMAT, Dataset, Scalar
 
 FORMAT_VERSION: Final = 1
 GROUPS: Final = ("points", "runs", "summaries")
-TEXTS: Final = (
-    "title",
-    "source",
-    "written",
-    "command",
-    "scenario_toml",
-    "scenario_resolved",
-    "grid",
-    "side_by_side",
-)
+TEXTS: Final = ("title", "source", "written", "command", "scenario_toml", "scenario_resolved", "grid", "side_by_side")
 """The attributes of an index that are not the same in all of them."""
 
 REMEDY: Final = "the same `rubnoise sweep` writes it again"

@@ -32,7 +32,7 @@ def expected_inventory(about: RunDescription) -> Inventory:
         compose(file, about)
         for group in stored_groups(about.features):
             if group.name not in file:
-                add_group(file, group, row_count(group, about.extent), about.compression)
+                add_group(file, group, row_count(group, about.extent) or 0, about.compression)
         return inventory_of(file)
 
 

@@ -108,21 +108,16 @@ def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
     )
 
 
-def row_count(group: Group, extent: Extent) -> int:
-    """Return the number of rows that a group has before a run: 0 if its rows grow."""
+def row_count(group: Group, extent: Extent) -> int | None:
+    """Return the number of rows of a group, None if only the end of a run shows it."""
     fixed = {"life_curve": CURVE_ROWS, "life_table": TABLE_ROWS}
-    return fixed.get(group.name) or extent.rows(group.name) or 0
-
-
-def grows(group: Group, extent: Extent) -> bool:
-    """Whether the number of rows of a group is known only at the end of a run."""
-    return bool(group.grows) and extent.rows(group.name) is None
+    return fixed.get(group.name) or extent.rows(group.name)
 
 
 def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:
     """Return the size of an uncompressed result file within a few kilobytes, without its scenario."""
     return STRUCTURE_BYTES + sum(
-        row_count(group, extent) * np.dtype(column.dtype).itemsize
+        (row_count(group, extent) or 0) * np.dtype(column.dtype).itemsize
         for group in stored_groups(features)
         for column in group.columns
     )

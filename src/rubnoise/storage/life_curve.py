@@ -71,7 +71,4 @@ def life_curve(shape: Shape) -> dict[str, NDArray[np.float64]]:
     squares = [(i * i) / (HALF_POINTS * HALF_POINTS) for i in range(HALF_POINTS + 1)]
     rising = PULSES[shape].overlap(1.0 - np.array(squares))
     mirrored = [2.0 - u for u in reversed(squares[:-1])]
-    return {
-        "u": np.array(squares + mirrored),
-        "area_fraction": np.concatenate([rising, rising[-2::-1]]),
-    }
+    return {"u": np.array(squares + mirrored), "area_fraction": np.concatenate([rising, rising[-2::-1]])}

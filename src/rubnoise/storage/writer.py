@@ -21,7 +21,7 @@ from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.record.sink import Columns
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.format import add_group, complete, compose, hdf5_on
-from rubnoise.storage.layout import Name, RunDescription, grows, now, row_count, stored_groups
+from rubnoise.storage.layout import Name, RunDescription, now, row_count, stored_groups
 from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.output import naming_file, part_file, reason_of
 from rubnoise.storage.schema import Group, Scalar
@@ -96,7 +96,7 @@ class RunWriter:
         groups = stored_groups(self.about.features)
         self._later = [group for group in groups if (group.name, group.columns[0].name) not in places]
         for group in groups:
-            rows = None if grows(group, self.about.extent) else row_count(group, self.about.extent)
+            rows = row_count(group, self.about.extent)
             for column in group.columns:
                 name, dtype = (group.name, column.name), np.dtype(column.dtype)
                 descriptor, place = self._part.descriptor, places.get(name, 0)
