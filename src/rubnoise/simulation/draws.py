@@ -102,10 +102,8 @@ Engine = Literal["events", "batch"]
 def extent(model: Model, seed: int, junctions: int | None = None) -> Extent:
     """Return how many rows a run will have: its births are counted from the gaps alone, unless they are known."""
     ticks, free = model.tick_count + 1, model.free is not None
-    if junctions is None and not free:
-        junctions = start(model, seed).junctions + count_births(model, seed)
     return Extent(
-        junctions=None if free else junctions,
+        junctions=None if free else junctions or start(model, seed).junctions + count_births(model, seed),
         ticks=ticks,
         slider=model.slider_rows,
         landmarks=None if free or model.is_two_way else 0,
