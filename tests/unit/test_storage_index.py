@@ -9,7 +9,7 @@ import pytest
 
 from rubnoise.api.sweep_result import open_sweep
 from rubnoise.errors import RunFileRefused
-from rubnoise.runs.index import _column, figure_columns
+from rubnoise.runs.folder import _column, figure_columns
 from rubnoise.storage.index import Index, index_bytes, read_index, sealed
 from rubnoise.storage.reader import open_run
 

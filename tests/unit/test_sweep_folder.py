@@ -13,9 +13,10 @@ import rubnoise
 from rubnoise.errors import OutputRefused, RunFileRefused
 from rubnoise.runs import folder as place
 from rubnoise.runs import sweep
-from rubnoise.runs.folder import check_folder, file_of, found, in_shard, read
+from rubnoise.runs.folder import file_of, found, read
 from rubnoise.runs.making import describe
-from rubnoise.runs.verify import verify_sweep
+from rubnoise.runs.sweep import check_folder, in_shard
+from rubnoise.runs.verification import verify_sweep
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.storage.output import PartFile
 from rubnoise.storage.writer import RunWriter

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.runs.verification import verify
-from rubnoise.runs.verify import verify_sweep
+from rubnoise.runs.verification import verify, verify_sweep
 from rubnoise.storage.index import sealed
 from rubnoise.storage.reader import open_run
 from tests.unit.scenarios import sweep_of

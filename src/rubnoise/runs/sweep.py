@@ -3,10 +3,12 @@
 A run that another process is making is left to it. Who makes runs is an executor (see `executors`).
 """
 
+import json
 import os
+import re
 import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,9 +21,9 @@ from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped
 from rubnoise.regular_file import INDEX
 from rubnoise.runs import executors
 from rubnoise.runs.executors import Failed
-from rubnoise.runs.folder import RUNS, Figures, check_folder, check_strangers, file_of, found, in_shard, made
-from rubnoise.runs.index import index_of, known_runs
-from rubnoise.scenario.sweep import Case, Point, Sweep, points_of, run_id
+from rubnoise.runs.folder import RUNS, Figures, file_of, found, index_of, known_runs, made, name_in, read
+from rubnoise.scenario.scenario import flattened
+from rubnoise.scenario.sweep import Case, Point, Sweep, in_words, points_of, run_id
 from rubnoise.storage.forecast import check_sweep_space
 from rubnoise.storage.index import index_bytes
 from rubnoise.storage.layout import this_command
@@ -86,6 +88,75 @@ class AdaptiveReplicates:
         return batch, values
 
 
+# What belongs to a folder.
+_SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
+_RUN: Final = re.compile(r"[0-9a-f]{16}(?:\.h5|\.npz)")
+_FREE: Final = ("title", "run.engine", "run.seed", "output.tick")
+"""Keys that the names of points do not depend on, and the tick, whose default follows from the others."""
+
+
+def check_folder(root: Path) -> None:
+    """Raise OutputRefused if a path is no folder for a sweep: it cannot be written, or holds other files."""
+    # A path that may not be looked at counts as missing here: it is the folder above that is closed.
+    above = next(place for place in (root, *root.absolute().parents) if os.path.lexists(place))
+    if not above.is_dir():
+        raise OutputRefused(f"{above}: is no folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise OutputRefused(f"{above}: the folder is not writable")
+    if above != root:
+        return
+    if not os.access(root, os.R_OK):
+        raise OutputRefused(f"{root}: the folder is not readable")
+    if not (root / RUNS).is_dir() and any(not entry.name.startswith(".") for entry in root.iterdir()):
+        raise OutputRefused(f"{root}: is not a sweep folder, and not empty; name another folder")
+
+
+def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
+    """Raise OutputRefused if a folder holds the run of a scenario that the sweep lacks; ``known`` are its runs.
+
+    Further replicates of its points are no strangers, damaged files are of no sweep.
+    """
+    cases, seed = {run_id(case.scenario): case for case in sweep.cases}, sweep.cases[0].scenario.run.seed
+    there = sorted((root / RUNS).iterdir()) if (root / RUNS).is_dir() else []
+    others = [path for path in there if _RUN.fullmatch(path.name) and path.stem not in known]
+    replicates: dict[str, set[str]] = {}
+    for path in others:
+        with suppress(RunFileRefused):
+            resolved, _ = read(path)
+            name, reason = name_in(resolved, path, seed), ""
+            if name not in cases:
+                reason = _difference(resolved, sweep)
+            elif name not in replicates:
+                more = points_of([cases[name]], len(others) + len(known))
+                replicates[name] = {point.run_id for point in more}
+            if reason or path.stem not in replicates[name]:
+                said = f"{path.stem}: {reason or 'its seed is of another run.seed'}"
+                remedy = "force=True leaves them beside the runs of this one"
+                raise OutputRefused(f"{root}: holds the runs of another scenario; {said}; {remedy}")
+
+
+def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
+    """Return in what a run differs from all points of a sweep, which differ among themselves in the swept keys."""
+    if not resolved:
+        return "this version makes other bits of its scenario"
+    there = flattened(resolved)
+    here = flattened(json.loads(json.dumps(sweep.cases[0].scenario.resolved())))
+    for key in sorted((here.keys() | there.keys()) - {*_FREE, *sweep.keys}):
+        one, other = there.get(key, "not given"), here.get(key, "not given")
+        if one != other:
+            return f"{key} is {one} there, and {other} here"
+    return f"it is of a point that this sweep lacks: {in_words({key: there.get(key) for key in sweep.keys})}"
+
+
+def in_shard(shard: str, whole: Iterable[str]) -> set[str]:
+    """Return the names in one of several parts of a whole, such as "2/8", whatever their order; raises Refused."""
+    found = _SHARD.fullmatch(shard)
+    if found is None or int(found[1]) > int(found[2]):
+        raise Refused(f'shard=: "{shard[:20]}" is no part of a whole; right form: shard="2/8", from 1/8 to 8/8')
+    return set(sorted(whole)[int(found[1]) - 1 :: int(found[2])])
+
+
+# What is made.
 EVERY: Final = 5.0
 """Least seconds between two indices."""
 
