@@ -22,7 +22,6 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import column_chunks
 from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
 from rubnoise.storage import objects, schema
-from rubnoise.storage.inventory import Inventory, inventory_of
 from rubnoise.storage.layout import stored_groups
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
@@ -154,10 +153,10 @@ class RunFile:
                     found |= {} if digest.hexdigest() == place.digest else {f"/{group}/{name}": CHANGED}
         return found
 
-    def inventory(self) -> Inventory:
+    def inventory(self) -> objects.Inventory:
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
         with self._reading(), objects.naming_damage():
-            return inventory_of(self._file)
+            return objects.inventory_of(self._file)
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
