@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from errno import EIO
 from pathlib import Path
 from shutil import copytree, rmtree
@@ -19,7 +20,7 @@ from rubnoise.runs.sweep import check_folder, in_shard
 from rubnoise.runs.verification import verify_sweep
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.storage.output import PartFile
-from rubnoise.storage.writer import RunWriter
+from rubnoise.storage.writer import RunWriter, run_writer
 from tests.unit.scenarios import GRID, sweep_of
 
 pytestmark = pytest.mark.slow
@@ -64,10 +65,10 @@ def times(folder: Path) -> dict[str, int]:
     return {path.name: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
 
 
-def being_made(path: Path, folder: Path) -> RunWriter:
+def being_made(path: Path, folder: Path) -> AbstractContextManager[RunWriter]:
     """Return the writer of a run that is being made."""
     point = next(point for point in expand(small(folder)) if point.run_id == path.stem)
-    return RunWriter(path, describe(point.scenario, path, ["rubnoise"]), force=True)
+    return run_writer(path, describe(point.scenario, path, ["rubnoise"]), force=True)
 
 
 def made(call: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> int:

@@ -57,8 +57,6 @@ MEASURED, EXACT = 1e-9, 1e-6
 LONGEST: Final = 160
 """Characters of a value that are shown."""
 
-REST: Final = "everything else"
-
 _CONSTANT: Final = 2.0**-30
 """Standard deviation over mean below which a column is constant but for rounding, and has no shape."""
 
@@ -152,15 +150,15 @@ def verify(run: RunFile, *, regenerate: bool = False) -> Verification:
         raise Refused(f"{others}; leave --regenerate away")
     hashes, structure, attributes = checks = [Check("hashes"), Check("structure"), Check("attributes")]
     if lost := _check_hashes(hashes, run):
-        return verification(checks[:1], [left_out(REST, f"{lost[0]} cannot be read")])
+        return verification(checks[:1], [left_out("everything else", f"{lost[0]} cannot be read")])
     try:
         scenario = stored(run.provenance["scenario_resolved"])
     except RunFileRefused as refusal:
         structure.differ(f"/provenance scenario_resolved {refusal}")
-        return verification(checks[:2], [left_out(REST, "there is no scenario")])
+        return verification(checks[:2], [left_out("everything else", "there is no scenario")])
     _check_description(structure, attributes, scenario, run)
     if not structure.holds:
-        return verification(checks, [left_out(REST, "groups and columns are not those of the scenario")])
+        return verification(checks, [left_out("everything else", "groups and columns are not those of the scenario")])
     if others:
         return verification(checks, [left_out(name, others) for name in ("replay", "summary")])
     return _played(checks, scenario, run)
@@ -297,7 +295,6 @@ def _allowed(figure: Row, tally: Tally) -> float:
     return MEASURED * (abs(figure.value) + seen.std + 1e-3 * abs(seen.mean))
 
 
-# The folder of a sweep.
 def verify_sweep(
     folder: str | os.PathLike[str],
     *,
