@@ -40,8 +40,7 @@ from rubnoise.scenario.sweep import name_of
 from rubnoise.simulation.run import Ended, simulate
 from rubnoise.storage.format import seal_of
 from rubnoise.storage.index import read_index
-from rubnoise.storage.layout import environment
-from rubnoise.storage.life_curve import life_tables
+from rubnoise.storage.layout import environment, life_tables
 from rubnoise.storage.objects import expected_inventory
 from rubnoise.storage.output import PART
 from rubnoise.storage.reader import UNREADABLE, RunFile, open_run, refusing
