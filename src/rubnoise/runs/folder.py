@@ -19,7 +19,7 @@ from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
 from rubnoise.errors import OutputRefused, RunFileRefused, in_few
 from rubnoise.figure_names import DONE, FAILED, FIGURE_NAMES, PLANNED
 from rubnoise.record.reader import Reader
-from rubnoise.regular_file import INDEX
+from rubnoise.regular_file import INDEX, open_stream
 from rubnoise.runs.making import describe, play
 from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import keys_of
@@ -31,8 +31,9 @@ from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.layout import now, package_version
+from rubnoise.storage.objects import naming_damage
 from rubnoise.storage.output import OutputInUse, whole_file
-from rubnoise.storage.reader import InUse, TooNew, open_run
+from rubnoise.storage.reader import InUse, TooNew, open_run, refusing
 from rubnoise.storage.schema import Dataset
 from rubnoise.storage.writer import run_writer
 from rubnoise.streams import STREAM_VERSION
@@ -144,18 +145,11 @@ def scenario_in(file: Reader) -> Mapping[str, Any]:
 
 
 def _read_summary(path: Path) -> tuple[Mapping[str, Any], Figures]:
-    try:
-        with np.load(path) as file:
-            kept = dict(file)
-        version, scenario, names, values = (
-            kept.pop(name) for name in ("stream_version", "scenario", "names", "values")
-        )
+    with refusing(path), open_stream(path) as stream, naming_damage(), np.load(stream) as file:
+        kept = dict(file)
+        version, scenario, names, values = map(kept.pop, ("stream_version", "scenario", "names", "values"))
         figures = dict(zip(names.tolist(), values.tolist(), strict=True))
         return dict(json.loads(str(scenario))) if version == STREAM_VERSION else {}, figures | kept
-    except OSError as problem:
-        raise RunFileRefused(f"{path}: {str(problem.strerror or problem).lower()}") from problem
-    except Exception as problem:  # noqa: BLE001  (what a damaged archive raises, which may be any error)
-        raise RunFileRefused(f"{path}: damaged: {problem}") from None
 
 
 def name_in(resolved: Mapping[str, Any], path: Path, seed: int | None = None) -> str:
