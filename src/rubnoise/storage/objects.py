@@ -241,7 +241,7 @@ def _of_object(path: str, owner: h5py.HLObject | None) -> Iterator[tuple[str, st
     if isinstance(owner, h5py.Dataset):
         words, scales = _dataset(owner)
         yield path, "", words
-        yield path, "scale", str(scales)
+        yield path, "scale", f"{json.dumps(scales)}, path"
     else:
         yield path, "", "group" if isinstance(owner, h5py.Group) else "link" if owner is None else "type"
     if isinstance(owner, h5py.Dataset | h5py.Group):
@@ -279,8 +279,8 @@ def _attributes(owner: h5py.HLObject) -> Iterator[tuple[str, str]]:
         if plain and attribute.shape is not None:
             raw = np.asarray(owner.attrs[name])
             value = (np.char.decode(raw, "utf-8", "backslashreplace") if raw.dtype.kind == "S" else raw).tolist()
-        kind = "" if name in OF_HDF5 else f", {_type(attribute.dtype)}"
-        yield _readable(name), f"{json.dumps(value)}{kind}"
+        kind = "any" if name in OF_HDF5 else _type(attribute.dtype)
+        yield _readable(name), f"{json.dumps(value)}, {kind}"
 
 
 def _type(kind: np.dtype[Any]) -> str:
