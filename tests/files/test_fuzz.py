@@ -101,5 +101,5 @@ def test_good_files_are_good(judge: Judge) -> None:
         judge.path.write_bytes(judge.good[kind])
         assert list(judge.judged(kind, COMMANDS.index(("compare", NAME)), forged=False)) == []
         with open_run(judge.path) as run:
-            assert run.damaged() == ()
+            assert run.damaged() == {}
         assert values(judge.path) == judge.truth[kind]

@@ -53,7 +53,7 @@ def test_every_column_is_there_and_has_its_hash(path: Path) -> None:
         assert run.columns.keys() == {"junctions", "life_curve", *kept["columns"]}
         assert Counter(run.column("junctions", "state").tolist()) == dict(kept["states"])
         assert run.rows("trace") == kept["ticks"]
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 @FILES
@@ -136,7 +136,7 @@ def test_unknown_groups_datasets_and_attributes_are_ignored(path: Path) -> None:
         assert (run.columns, [run.rows(group) for group in run.columns]) == (known, rows)
         assert {name: run.column("junctions", name).tobytes() for name in before} == before
         assert (run.attributes, run.provenance) == (attributes, provenance)
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 def keep() -> None:

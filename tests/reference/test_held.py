@@ -51,6 +51,11 @@ STEADY = 1e-6
 """Of a motion under a force that hardly varies: nine digits of the force leave less of the motion."""
 RESIDUAL = "energy_residual"
 """What is nothing but rounding."""
+OF_LATER_ROWS = {
+    "two_way": ("displacement", "velocity"),
+    "first_order_load": ("separation", "normal", "load", "friction"),
+}
+"""Figures that are of rows now, from where the start is forgotten; `compare` has them so."""
 
 
 def tolerance(contact_name: str, key: str) -> float:
@@ -115,7 +120,9 @@ def farthest(found: np.ndarray[Any, Any], held: np.ndarray[Any, Any]) -> float:
     return float(np.max(np.abs(found - held), initial=0.0)) / scale
 
 
-def assert_like(found: Mapping[str, float], held: Mapping[str, float], allowed: float) -> None:
+def assert_like(
+    found: Mapping[str, float], held: Mapping[str, float], allowed: float, later: Sequence[str] = ()
+) -> None:
     """Check that figures are those that were; errors are less sharp, and of regular births no shape is known now."""
     gone = held.keys() - found.keys()
     assert gone <= {"real_contact_area_skewness_exact", "real_contact_area_excess_kurtosis_exact"}
@@ -123,7 +130,7 @@ def assert_like(found: Mapping[str, float], held: Mapping[str, float], allowed: 
     for name, value in held.items():
         if name == RESIDUAL:
             assert abs(found[name]) < 1e-9
-        elif name not in gone and not math.isnan(found[name]):
+        elif name not in gone and not name.startswith(tuple(later)) and not math.isnan(found[name]):
             assert found[name] == pytest.approx(value, rel=ERRORS if name.endswith("_error") else allowed), name
 
 
@@ -136,7 +143,7 @@ def test_runs_give_what_they_gave(name: str, tmp_path: Path) -> None:
     allowed = {column: moves if column.startswith("slider/") else 1e-10 for column in held}
     assert {column: far for column in held if (far := farthest(found[column], held[column])) > allowed[column]} == {}
     figures, before = summary_of(path), summary_of(HELD / f"{name}.h5")
-    assert_like(figures, before, max(moves, 1e-8))
+    assert_like(figures, before, max(moves, 1e-8), OF_LATER_ROWS.get(name.removesuffix("_gzip"), ()))
 
 
 def test_another_seed_would_be_noticed(tmp_path: Path) -> None:

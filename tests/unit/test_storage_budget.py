@@ -22,7 +22,6 @@ from rubnoise.storage.forecast import (
     expected,
     free_memory_bytes,
     memory_in_use,
-    together,
 )
 from tests.unit.scenarios import BARE, WHOLE
 
@@ -159,25 +158,24 @@ def test_a_process_needs_the_memory_of_its_forecast(tmp_path: Path, name: str, e
 
 
 def test_a_sweep_has_to_fit_as_a_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    one = expected(loads(WHOLE))
-    runs = together([(one, 10)])
-    _with_room(monkeypatch, disk=10 * one.disk_bytes)
-    check_sweep_space(runs, tmp_path, jobs=1)
-    _with_room(monkeypatch, disk=10 * one.disk_bytes - 1)
+    runs, needed = [loads(WHOLE)] * 10, 10 * expected(loads(WHOLE)).disk_bytes
+    _with_room(monkeypatch, disk=needed)
+    check_sweep_space(runs, tmp_path, jobs=1, keep="runs")
+    _with_room(monkeypatch, disk=needed - 1)
+    check_sweep_space(runs, tmp_path, jobs=1, keep="summary")
     with pytest.raises(OutputRefused, match=r"sweep\.keep .* sliding\.distance .* sweep\.replicates"):
-        check_sweep_space(runs, tmp_path, jobs=1)
+        check_sweep_space(runs, tmp_path, jobs=1, keep="runs")
 
 
 def test_as_many_runs_at_once_as_memory_holds_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    one = expected(loads(WHOLE))
-    each = PROGRAM_BYTES + one.working_bytes
+    runs, each = [loads(WHOLE)] * 9, PROGRAM_BYTES + expected(loads(WHOLE)).working_bytes
     _with_room(monkeypatch, memory=3 * each)
-    check_sweep_space(one, tmp_path, jobs=3)
+    check_sweep_space(runs, tmp_path, jobs=3, keep="runs")
     with pytest.raises(Refused, match="jobs=3 fits"):
-        check_sweep_space(one, tmp_path, jobs=4)
+        check_sweep_space(runs, tmp_path, jobs=4, keep="runs")
     _with_room(monkeypatch, memory=each - 1)
     with pytest.raises(Refused, match=r"interface\.mean_junction_count"):
-        check_sweep_space(one, tmp_path, jobs=1)
+        check_sweep_space(runs, tmp_path, jobs=1, keep="runs")
 
 
 # What a machine has left, read from the files in which its system tells it.

@@ -53,7 +53,7 @@ def test_a_result_is_the_same_file(tmp_path: Path, short: Shorten, compression: 
     description = describe(700, 900, compression=compression)
     write_run(tmp_path / "short.h5", description, random_rows(description), borders=(3, 500))
     with open_run(tmp_path / "short.h5") as run:
-        assert run.damaged() == ()
+        assert run.damaged() == {}
         assert run.attributes["title"] == description.title
         rows = random_rows(description)
         assert all(

@@ -9,8 +9,8 @@ import pytest
 
 from rubnoise.api.sweep_result import open_sweep
 from rubnoise.errors import RunFileRefused
-from rubnoise.runs.index import _column, _figures
-from rubnoise.storage.index import Index, index_bytes, read_index
+from rubnoise.runs.folder import _column, figure_columns
+from rubnoise.storage.index import Index, index_bytes, read_index, sealed
 from rubnoise.storage.reader import open_run
 
 # An index says what it was given; one that is none of ours, or leads elsewhere, is refused with the reason.
@@ -29,7 +29,7 @@ def _index() -> Index:
         _column("file", "", [""] * COUNT),
         _column("state", "", ["done"] * COUNT),
         _column("reason", "why it failed", ["", "no room: \u00b5", "", "", ""]),
-        *_figures(figures),
+        *figure_columns(figures),
     ]
     points = [_column("point", "number of the point", [0]), _column("values", "", ['{"output.tick": "1 um"}'])]
     texts = ("title", "source", "written", "command", "scenario_toml", "scenario_resolved", "grid", "side_by_side")
@@ -102,10 +102,6 @@ def _crowded(file: h5py.File) -> None:
         file["runs"].create_dataset(f"other{number}", data=np.zeros(COUNT))
 
 
-def _newer(file: h5py.File) -> None:
-    file.attrs.modify("format_version", 2)
-
-
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
@@ -121,12 +117,13 @@ def _newer(file: h5py.File) -> None:
 def test_what_an_index_is_not_is_refused(path: Path, spoil: Callable[[h5py.File], None], said: str) -> None:
     with h5py.File(path, "r+") as file:
         spoil(file)
+    path.write_bytes(sealed(path.read_bytes()))
     with pytest.raises(RunFileRefused, match=said):
         read_index(path)
 
 
 def test_one_of_a_later_format_is_told_from_a_damaged_one(path: Path) -> None:
     with h5py.File(path, "r+") as file:
-        _newer(file)
+        file.attrs.modify("format_version", 2)
     with pytest.raises(RunFileRefused, match="has format version 2"):
         read_index(path)

@@ -13,17 +13,11 @@ from types import ModuleType
 
 import pytest
 
-from rubnoise.errors import OutputRefused, RunFileRefused
+from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
 from rubnoise.storage import output
-from rubnoise.storage.output import (
-    OutputInUse,
-    OutputSwappedError,
-    WrittenWithLess,
-    check_output,
-    part_file,
-)
+from rubnoise.storage.output import OutputInUse, WrittenWithLess, check_output, part_file
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.writer import RunWriter
+from rubnoise.storage.writer import run_writer
 from tests.files.runs import Compression, attempt, describe, names, random_rows
 
 
@@ -86,7 +80,7 @@ def test_an_existing_file_is_refused_and_replaced_by_force(tmp_path: Path) -> No
     attempt(tmp_path / "run.h5", force=True)
     assert names(tmp_path) == ["run.h5"]
     with open_run(tmp_path / "run.h5") as run:
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 @pytest.mark.parametrize("left", [b"", b"older", b"x" * 10**6])
@@ -96,7 +90,7 @@ def test_a_part_of_a_dead_run_is_overwritten(tmp_path: Path, left: bytes, compre
     attempt(tmp_path / "run.h5", compression=compression)
     assert names(tmp_path) == ["run.h5"]
     with open_run(tmp_path / "run.h5") as run:
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 @pytest.mark.parametrize(
@@ -121,7 +115,7 @@ def test_an_impossible_path_is_refused(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_the_space_is_taken_from_the_start_and_the_part_is_no_result(tmp_path: Path) -> None:
-    with RunWriter(tmp_path / "run.h5", describe(100_000)) as writer:
+    with run_writer(tmp_path / "run.h5", describe(100_000)) as writer:
         assert names(tmp_path) == ["run.h5.part"]
         about = (tmp_path / "run.h5.part").stat()
         assert about.st_blocks * 512 >= about.st_size > 100_000 * 73
@@ -136,7 +130,7 @@ def test_the_space_is_taken_from_the_start_and_the_part_is_no_result(tmp_path: P
 
 def test_a_second_writer_is_refused_and_the_first_continues(tmp_path: Path) -> None:
     description = describe()
-    with RunWriter(tmp_path / "run.h5", description) as writer:
+    with run_writer(tmp_path / "run.h5", description) as writer:
         for force in (False, True):
             with pytest.raises(OutputInUse, match="another process is writing"):
                 attempt(tmp_path / "run.h5", force=force)
@@ -210,7 +204,7 @@ def replaced(path: Path, content: bytes) -> None:
 def test_a_part_that_was_swapped_is_not_published_and_stays(tmp_path: Path, compression: Compression) -> None:
     part = tmp_path / "run.h5.part"
     (tmp_path / "run.h5").write_bytes(b"older")
-    with pytest.raises(OutputSwappedError, match=r"run\.h5\.part: another file has taken its place .* is not written"):
+    with pytest.raises(RubnoiseError, match=r"run\.h5\.part: another file has taken its place .* is not written"):
         attempt(
             tmp_path / "run.h5", compression=compression, force=True, meanwhile=lambda: replaced(part, b"of another")
         )
@@ -235,7 +229,7 @@ def test_a_file_system_without_locks_or_without_space_to_reserve_gets_one_note(
     assert [str(note.message).startswith(said) for note in noted] == [True]
     assert noted[0].category is WrittenWithLess
     with open_run(tmp_path / "run.h5") as run:
-        assert run.damaged() == ()
+        assert run.damaged() == {}
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EIO])

@@ -162,7 +162,7 @@ def test_damaged_chunks_are_reported_when_read(tmp_path: Path) -> None:
         disk.seek(offset)
         disk.write(b"\xff" * 64)
     with open_run(tmp_path / "run.h5") as run:
-        assert run.damaged() == ("/trace/distance",)
+        assert [*run.damaged()] == ["/trace/distance"]
         with pytest.raises(RunFileRefused, match="damaged"):
             run.column("trace", "distance")
 

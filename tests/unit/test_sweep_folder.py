@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from errno import EIO
 from pathlib import Path
 from shutil import copytree, rmtree
@@ -13,12 +14,13 @@ import rubnoise
 from rubnoise.errors import OutputRefused, RunFileRefused
 from rubnoise.runs import folder as place
 from rubnoise.runs import sweep
-from rubnoise.runs.folder import Shard, check_folder, file_of, found, read
+from rubnoise.runs.folder import file_of, found, read
 from rubnoise.runs.making import describe
-from rubnoise.runs.verify import verify_sweep
-from rubnoise.scenario.sweep import Sweep, expand, run_id
+from rubnoise.runs.sweep import check_folder, in_shard
+from rubnoise.runs.verification import verify_sweep
+from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.storage.output import PartFile
-from rubnoise.storage.writer import RunWriter
+from rubnoise.storage.writer import RunWriter, run_writer
 from tests.unit.scenarios import GRID, SHORT_HEAD, SMALL, sweep_of
 
 pytestmark = pytest.mark.slow
@@ -45,10 +47,10 @@ def times(folder: Path) -> dict[str, int]:
     return {path.name: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
 
 
-def being_made(path: Path, folder: Path) -> RunWriter:
+def being_made(path: Path, folder: Path) -> AbstractContextManager[RunWriter]:
     """Return the writer of a run that is being made."""
     point = next(point for point in expand(small(folder)) if point.run_id == path.stem)
-    return RunWriter(path, describe(point.scenario, path, ["rubnoise"]), force=True)
+    return run_writer(path, describe(point.scenario, path, ["rubnoise"]), force=True)
 
 
 def made(call: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> int:
@@ -255,13 +257,15 @@ def test_a_summary_lies_in_a_file_and_is_verified_by_being_made_again(tmp_path: 
 
 # A part of a sweep.
 def test_shards_are_parts_of_the_whole_whatever_the_order(tmp_path: Path) -> None:
-    whole = sweep_of(tmp_path, GRID)
-    names = [point.run_id for point in expand(whole)]
-    parts = [Shard(number=n, count=5).names(names) for n in range(1, 6)]
+    names = [point.run_id for point in expand(sweep_of(tmp_path, GRID))]
+    parts = [in_shard(f"{n}/5", names) for n in range(1, 6)]
     assert sorted(name for part in parts for name in part) == sorted(names)
     assert {len(part) for part in parts} <= {2, 3}
-    assert [Shard(number=n, count=5).names(names[::-1]) for n in range(1, 6)] == parts
-    cases = [Shard(number=n, count=4).of_sweep(whole).cases for n in range(1, 5)]
-    assert sorted(run_id(case.scenario) for part in cases for case in part) == sorted(
-        run_id(case.scenario) for case in whole.cases
-    )
+    assert [in_shard(f"{n}/5", names[::-1]) for n in range(1, 6)] == parts
+
+
+def test_shards_of_a_sweep_with_a_precision_make_whole_points(tmp_path: Path) -> None:
+    table = SMALL.replace("replicates = 2", "precision = 0.5")
+    for shard, done in (("2/2", 8), ("1/2", 16)):
+        with rubnoise.sweep(small(tmp_path, table=table), tmp_path / "d", jobs=1, shard=shard) as swept:
+            assert (swept.count("done"), len(swept.runs)) == (done, 16)

@@ -24,7 +24,7 @@ from rubnoise.storage.forecast import check_disk_space, check_memory, expected
 from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import check_output
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.writer import RunWriter
+from rubnoise.storage.writer import run_writer
 from rubnoise.theory.exact import Exact
 from rubnoise.theory.exact import exact as exact_of_model
 
@@ -63,7 +63,7 @@ class Record(Run):
         check_output(path, force=force)
         check_disk_space(self.scenario, expected(self.scenario), path)
         description = describe(self.scenario, path, this_command(), self._reader.intervention)
-        with RunWriter(path, description, force=force) as writer:
+        with run_writer(path, description, force=force) as writer:
             self._reader.play_into(writer)
             writer.publish(self._reader.summary)
         return Run(open_run(path))
@@ -157,7 +157,7 @@ def run(
     description = describe(scenario, path, command or this_command(), intervene)
     if watch is not None:
         watch(0.0, 0, 0)
-    with RunWriter(path, description, force=force) as writer:
+    with run_writer(path, description, force=force) as writer:
         play(writer, scenario, watch=watch, observe=observe, intervene=intervene)
     return Run(open_run(path))
 

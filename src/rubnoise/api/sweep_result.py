@@ -20,8 +20,7 @@ from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.figure_names import FAILED, STATES
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import INDEX
-from rubnoise.runs.folder import file_of, name_in, scenario_in
-from rubnoise.runs.index import ABOUT
+from rubnoise.runs.folder import ABOUT, file_of, name_in, scenario_in
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.reader import refusing
 from rubnoise.tables import as_html, shortened

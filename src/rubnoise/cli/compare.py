@@ -88,10 +88,8 @@ def verify(
 
     shown = sys.stderr.isatty() and not as_json
     if is_folder(file):
-        from rubnoise.runs.verify import verify_sweep
-
         with bar(shown=shown) as show_bar:
-            found = verify_sweep(
+            found = verification.verify_sweep(
                 file,
                 regenerate=regenerate,
                 watch=lambda done, runs: show_bar(done, runs, f"{done:,} of {runs:,} runs"),

@@ -48,7 +48,7 @@ def export(
     Example: rubnoise export fig5.h5 --to csv --group trace -o trace.csv
     """
     from rubnoise.storage.export import export as write
-    from rubnoise.storage.export import plan, print_csv
+    from rubnoise.storage.export import plan, write_csv
     from rubnoise.storage.reader import open_run
 
     printed = output == STANDARD_OUTPUT
@@ -63,9 +63,9 @@ def export(
     with open_run(file) as run, stoppable() as between:
         files = plan(run, kind.value, group and group.value, output)  # type: ignore[arg-type]  # one of three
         if printed:
-            print_csv(run, files[STANDARD_OUTPUT][0], sys.stdout, between=between)
+            write_csv(sys.stdout, run, files[STANDARD_OUTPUT][0], between)
             return
         write(run, kind.value, files, force=force, between=between)  # type: ignore[arg-type]
-        for path, names in files.items():
-            rows = ", ".join(f"{run.rows(name):,} rows of {name}" for name in names)
+        for path, groups in files.items():
+            rows = ", ".join(f"{run.rows(each.name):,} rows of {each.name}" for each in groups)
             print(f"{path}: {rows}, {size(path.stat().st_size)}")

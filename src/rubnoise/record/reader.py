@@ -106,31 +106,20 @@ class MemoryRecord:
         return self.groups[group][name][start:stop]
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Keep rows of a group (see Sink)."""
-        rows = self.extent.rows(group)
-        if rows is None:
-            self._grow(group, columns, first_row + next(iter(columns.values())).size)
-        elif group not in self.groups:
-            self.groups[group] = _room_for(columns, rows)
-        kept = self.groups[group]
+        """Keep rows of a group (see Sink); where their number is not known, there is room for twice as many."""
+        rows, end = self.extent.rows(group), first_row + next(iter(columns.values())).size
+        room = self._room.get(group)
+        if room is None or end > next(iter(room.values())).size:
+            size, before = 2 * end if rows is None else rows, self.groups.get(group, {})
+            room = self._room[group] = {name: np.empty(size, values.dtype) for name, values in columns.items()}
+            for name, values in before.items():
+                room[name][: values.size] = values
         for name, values in columns.items():
-            kept[name][first_row : first_row + values.size] = values
+            room[name][first_row:end] = values
+        self.groups[group] = room if rows is not None else {name: values[:end] for name, values in room.items()}
 
     def protect(self) -> None:
         """Make all columns read-only, since the run has ended and its arrays are given to callers without a copy."""
         for columns in self.groups.values():
             for values in columns.values():
                 values.flags.writeable = False
-
-    def _grow(self, group: str, columns: Columns, rows: int) -> None:
-        """Enlarge a group to a number of rows; allocate memory for twice as many, so that rows are seldom copied."""
-        room = self._room.get(group)
-        if room is None or rows > next(iter(room.values())).size:
-            room = self._room[group] = _room_for(columns, 2 * rows)
-            for name, values in self.groups.get(group, {}).items():
-                room[name][: values.size] = values
-        self.groups[group] = {name: values[:rows] for name, values in room.items()}
-
-
-def _room_for(columns: Columns, rows: int) -> dict[str, NDArray[Any]]:
-    return {name: np.empty(rows, values.dtype) for name, values in columns.items()}

@@ -7,21 +7,20 @@ that were lost twice alone, so that a run that always kills its worker fails alo
 
 import json
 import os
-import pickle
 import signal
 import time
 import warnings
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import KW_ONLY, dataclass
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import dataclass
 from functools import cache, partial
 from importlib import import_module
 from numbers import Integral
 from pathlib import Path
 from threading import Thread
-from typing import Any, Final, Generic, TypeVar
+from typing import Any, Final
 
 from rubnoise.errors import Refused, RubnoiseError, RunStopped, needing
 from rubnoise.scenario.sweep import Point
@@ -32,34 +31,30 @@ from rubnoise.streams import STREAM_VERSION
 
 @dataclass(frozen=True, slots=True)
 class Workers:
-    """What opens an executor, and how many calls it makes at a time.
-
-    ``here``: calls are made in this process when they are submitted.
-    """
+    """What opens an executor, and how many calls it makes at a time; 0 if this process makes them when submitted."""
 
     start: Callable[[], AbstractContextManager[Any]]
     lanes: Callable[[], int]
-    _: KW_ONLY
-    here: bool = False
 
 
 class WorkLost(RubnoiseError):  # noqa: N818  (says what happened)
     """The scheduler of the work has ended, or its workers cannot be used."""
 
 
+class Failed(str):
+    """Why a run has no result."""
+
+    __slots__ = ()
+
+
 LIBRARIES: Final = ("rubnoise", "numpy", "scipy", "numba")
 
 
 @cache
-def versions() -> Mapping[str, object]:
+def versions() -> str:
     """Return the versions that must be equal in all processes that make runs of one sweep."""
-    return {name: package_version(name) for name in LIBRARIES} | {"stream": STREAM_VERSION, "format": FORMAT_VERSION}
-
-
-def in_words(found: object) -> str:
-    """Return versions as a text, also for a worker that sends none."""
-    known = found.items() if isinstance(found, Mapping) else ()
-    return ", ".join(f"{name} {each}" for name, each in known) or "no version that it says"
+    packages = [f"{name} {package_version(name)}" for name in LIBRARIES]
+    return ", ".join([*packages, f"stream {STREAM_VERSION}", f"format {FORMAT_VERSION}"])
 
 
 # This process and others on this machine.
@@ -81,9 +76,7 @@ def local(jobs: Any, runs: int | None = None) -> Workers:
     if jobs is not None and not (isinstance(jobs, Integral) and 1 <= int(jobs) <= MOST_JOBS):
         raise Refused(f"jobs=: {jobs!r:.40} is no number of processes from 1 to {MOST_JOBS}")
     count = min(processors() if jobs is None else int(jobs), MOST_JOBS if runs is None else max(runs, 1))
-    if count == 1:
-        return Workers(Here, lambda: 1, here=True)
-    return Workers(partial(_processes, count), lambda: count)
+    return Workers(Here, lambda: 0) if count == 1 else Workers(partial(_processes, count), lambda: count)
 
 
 class Here(Executor):
@@ -132,50 +125,54 @@ SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the swe
 _LAST_PORT: Final = 65_535
 
 
-def opened(executor: Any, jobs: int | None, runs: int | None) -> AbstractContextManager[Workers]:
-    """Return the workers of this machine, of an executor, or of a Dask scheduler by its address; see those below."""
-    if isinstance(executor, str):
-        return cluster(executor)
-    return nullcontext(local(jobs, runs) if executor is None else given(executor, jobs))
-
-
-def given(executor: Any, jobs: int | None) -> Workers:
-    """Return an executor of the caller's as workers, or the client of a Dask cluster; raises Refused for neither.
-
-    It gets work for so many calls at a time, by default one for each processor here.
-    """
-    if hasattr(executor, "get_executor"):
-        return of_client(executor)
-    if not hasattr(executor, "submit"):
-        form = "an executor has submit(function, *arguments), which returns a Future"
-        raise Refused(f"executor=: {type(executor).__name__} is no executor; {form}")
-    return Workers(lambda: nullcontext(executor), lambda: jobs or processors())
-
-
 @contextmanager
-def cluster(scheduler: str) -> Iterator[Workers]:
-    """Find the workers of a Dask scheduler by its address or by the file with it.
+def opened(executor: Any, jobs: int | None, runs: int | None = None) -> Iterator[Workers]:
+    """Yield workers: of this machine, of a Dask scheduler by its address or client, or of an executor.
 
-    Dask's own configuration decides about TLS. Raises ExtraMissing without the library, and Refused if none answers or
-    workers do not suit.
+    The last one gets work for so many calls at a time, by default one for each processor here. Raises Refused for
+    something else, if no scheduler answers, and if workers have other versions; ExtraMissing without Dask.
     """
+    with ExitStack() as ending:
+        if isinstance(executor, str):
+            executor = ending.enter_context(_client(executor))
+        if executor is None:
+            yield local(jobs, runs)
+        elif hasattr(executor, "get_executor"):
+            yield _of_client(executor)
+        elif hasattr(executor, "submit"):
+            yield Workers(lambda: nullcontext(executor), lambda: jobs or processors())
+        else:
+            form = "an executor has submit(function, *arguments), which returns a Future"
+            raise Refused(f"executor=: {type(executor).__name__} is no executor; {form}")
+
+
+def _client(scheduler: str) -> Any:
+    """Return a client of a Dask scheduler by its address or the file with it; Dask's own configuration sees to TLS."""
     with needing("cluster", "--cluster"):
         dask = import_module("distributed")
-    where = _address(scheduler)
+        known = import_module("distributed.comm.addressing")
     try:
-        client = dask.Client(where, timeout=PATIENCE, set_as_default=False)
+        address = json.loads(Path(scheduler).read_bytes())["address"] if Path(scheduler).is_file() else scheduler
+        _, port = known.get_address_host_port(known.normalize_address(address), strict=True)
+    except (OSError, ValueError, KeyError, TypeError):
+        port = 0
+    if not 1 <= port <= _LAST_PORT:  # Dask's client would never end
+        raise Refused(f"{scheduler}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786")
+    try:
+        return dask.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError, RuntimeError) as problem:
         raise Refused(f"{scheduler}: no scheduler answers there: {problem}") from problem
-    with client:
-        yield of_client(client)
 
 
-def of_client(client: Any) -> Workers:
-    """Return the workers of a Dask client, which may join and leave; raises Refused if versions differ.
-
-    One thread for each worker process suits the work.
-    """
-    _check_versions(client)
+def _of_client(client: Any) -> Workers:
+    """Return the workers of a Dask client, which may join and leave; one thread for each worker process suits."""
+    for worker, theirs in client.run(versions, on_error="return").items():
+        if theirs != versions():
+            has = theirs if isinstance(theirs, str) else "no version that it says"
+            raise Refused(
+                f"{worker}: this worker has {has}, and this process {versions()}; all runs of a sweep are made by one"
+                " version"
+            )
 
     @contextmanager
     def start() -> Iterator[Any]:
@@ -194,32 +191,7 @@ def of_client(client: Any) -> Workers:
     return Workers(start, lanes)
 
 
-def _check_versions(client: Any) -> None:
-    """Raise Refused if a worker has other versions than this process."""
-    for worker, theirs in client.run(versions, on_error="return").items():
-        if theirs != versions():
-            raise Refused(
-                f"{worker}: this worker has {in_words(theirs)}, and this process {in_words(versions())}; all runs of a"
-                " sweep are made by one version"
-            )
-
-
-def _address(scheduler: str) -> str:
-    """Return the address of a scheduler, from the address itself or from the scheduler's file.
-
-    Raises Refused for an address of another form, with which Dask's client would never end.
-    """
-    known = import_module("distributed.comm.addressing")
-    try:
-        address = json.loads(Path(scheduler).read_bytes())["address"] if Path(scheduler).is_file() else scheduler
-        _, port = known.get_address_host_port(known.normalize_address(address), strict=True)
-        if 1 <= port <= _LAST_PORT:
-            return str(address)
-    except (OSError, ValueError, KeyError, TypeError):
-        pass
-    raise Refused(f"{scheduler}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786")
-
-
+# What they make.
 AHEAD: Final = 2
 """Runs that are sent for each lane, one of which waits."""
 
@@ -229,135 +201,89 @@ BETWEEN: Final = 0.1
 TRIES: Final = 3
 """Workers that a run may cost."""
 
-Result = TypeVar("Result")
-Work = Callable[[Point], Result]
+Work = Callable[[Point], Any]
+Sent = dict["Future[Any]", tuple[Point, int]]
+"""Points that are being made, each with the number of workers that it has cost."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Outcome(Generic[Result]):
-    """The outcome of a point: its result, or the error."""
+def attempted(work: Work, point: Point, asked: str) -> Any:
+    """Return the result of a point, or Failed, since an error that is raised is that of a worker.
 
-    point: Point
-    result: Result | None = None
-    problem: Exception | None = None
-
-
-def attempted(work: Work[Result], point: Point, asked: object) -> Result | Exception:
-    """Carry out a point and return its result or its error, since an error that is raised is that of a worker.
-
-    Returns WorkLost, and begins nothing, if ``asked`` has other versions than those of this process.
+    Raises WorkLost, and begins nothing, if ``asked`` are other versions than those of this process.
     """
-    if (ours := versions()) != asked:
-        return WorkLost(
-            f"a worker has {in_words(ours)}, and this process {in_words(asked)}; give it the same versions, and the"
-            " same command resumes the sweep"
+    if versions() != asked:
+        raise WorkLost(
+            f"a worker has {versions()}, and this process {asked}; give it the same versions, and the same command"
+            " resumes the sweep"
         )
     try:
         return work(point)
     except RunStopped:
         raise
     except Exception as problem:  # noqa: BLE001  (whatever it is, it is said of this point)
-        return _portable(problem)
+        kind = "" if isinstance(problem, RubnoiseError) else f"{type(problem).__name__}: "
+        return Failed(f"{kind}{problem}")
 
 
-def _portable(problem: Exception) -> Exception:
-    """Return an exception that other processes can build again, its text if this one cannot."""
-    try:
-        pickle.loads(pickle.dumps(problem))  # noqa: S301  (what was pickled the moment before)
-    except Exception:  # noqa: BLE001  (pickling calls code of any kind)
-        return RubnoiseError(f"{type(problem).__name__}: {problem}")
-    return problem
+def outcomes(
+    points: deque[Point], work: Work, workers: Workers, watch: Callable[[], None] = lambda: None
+) -> Generator[tuple[Point, Any], None, None]:
+    """Yield every point with its result, or Failed, as soon as it is known; further points may be added meanwhile.
 
-
-class Attempts(Generic[Result]):
-    """The attempts at the points of a sweep, which can end early."""
-
-    def __init__(
-        self,
-        points: Iterable[Point],
-        work: Work[Result],
-        workers: Workers,
-        watch: Callable[[], None] = lambda: None,
-        more: Callable[[], Iterable[Point]] = tuple,
-    ) -> None:
-        """Start before the first point; ``watch`` is called at least every BETWEEN seconds, and may raise.
-
-        ``more`` returns further points when all have ended.
-        """
-        self._waiting = [deque(points), *(deque[Point]() for _ in range(TRIES - 1))]
-        self._work, self._workers, self._watch, self._more = work, workers, watch, more
-        self._out: dict[Future[Any], tuple[Point, int]] = {}
-        self._broken = False
-
-    def outcomes(self) -> Generator[Outcome[Result], None, None]:
-        """Yield every point with its outcome as soon as it is known; if the caller leaves, waiting points do not start.
-
-        Raises WorkLost if no worker can take work any more, or one has other versions than this process.
-        """
-        while any(self._waiting):
-            self._broken = False
-            with self._workers.start() as executor:
-                try:
-                    yield from self._until_it_breaks(executor)
-                finally:
-                    for future in self._out:
-                        future.cancel()
-
-    def _until_it_breaks(self, executor: Any) -> Iterator[Outcome[Result]]:
-        while self._out or (any(self._waiting) and not self._broken):
-            yield from self._handed_out(executor)
-            done, _ = wait(self._out, BETWEEN, FIRST_COMPLETED)
-            self._watch()
-            for future in done:
-                yield from self._returned(*self._out.pop(future), future)
-            if not self._out and not any(self._waiting):
-                self._waiting[0].extend(self._more())
-
-    def _handed_out(self, executor: Any) -> Iterator[Outcome[Result]]:
-        """Send points as long as lanes are free; an executor that takes none has lost them."""
-        most = 1 if self._workers.here else AHEAD * self._workers.lanes()
-        while not self._broken and len(self._out) < most and (taken := self._next()):
-            point, lost = taken
+    ``watch`` is called at least every BETWEEN seconds, and may raise; if the caller leaves, waiting points do not
+    start. Raises WorkLost if no worker can take work any more, or one has other versions than this process.
+    """
+    waiting = [points, *(deque[Point]() for _ in range(1, TRIES))]
+    while any(waiting):
+        sent, sound = Sent(), True
+        with workers.start() as executor:
             try:
-                future = executor.submit(attempted, self._work, point, versions())
-            except (RunStopped, Refused):
-                raise
-            except Exception as problem:  # noqa: BLE001  (whatever it says, it does not take them)
-                self._broken = True
-                yield from self._lose(point, lost, problem)
-            else:
-                self._out[future] = taken
+                while sent or (sound and any(waiting)):
+                    sound = sound and _takes_all(executor, work, AHEAD * workers.lanes() or 1, waiting, sent)
+                    done, _ = wait(sent, BETWEEN, FIRST_COMPLETED)
+                    watch()
+                    for future in done:
+                        (point, lost), found = sent.pop(future), _result(future)
+                        sound = sound and not isinstance(found, BrokenExecutor)
+                        if not isinstance(found, Exception):
+                            yield point, found
+                        elif lost + 1 < TRIES:
+                            waiting[lost + 1].append(point)
+                        else:
+                            yield point, Failed(f"{TRIES} workers died of it: {' '.join(str(found).split())}")
+            finally:
+                for future in sent:
+                    future.cancel()
 
-    def _next(self) -> tuple[Point, int] | None:
-        """Return a point and how many workers it has cost; none that cost too many while others are out."""
-        for lost, points in enumerate(self._waiting):
-            if points and (lost < TRIES - 1 or not self._out):
-                return points.popleft(), lost
-        return None
 
-    def _returned(self, point: Point, lost: int, future: "Future[Any]") -> Iterator[Outcome[Result]]:
+def _takes_all(executor: Any, work: Work, most: int, waiting: list[deque[Point]], sent: Sent) -> bool:
+    """Send points as long as lanes are free; whether the executor takes them, since it loses what it does not take.
+
+    Points that have cost many workers are sent while no other is out.
+    """
+    while len(sent) < most:
+        lost = next((lost for lost, points in enumerate(waiting) if points and (lost < TRIES - 1 or not sent)), None)
+        if lost is None:
+            break
+        point, future = waiting[lost].popleft(), Future[Any]()
         try:
-            problem = future.exception()
-        except CancelledError as cancelled:
-            problem = cancelled
-        if isinstance(problem, CancelledError):
-            raise WorkLost(SCHEDULER_GONE) from problem
-        if isinstance(problem, Exception):
-            self._broken = self._broken or isinstance(problem, BrokenExecutor)
-            yield from self._lose(point, lost, problem)
-        elif problem is not None:
-            raise problem
-        elif isinstance(found := future.result(), WorkLost):
-            raise found
-        elif isinstance(found, Exception):
-            yield Outcome(point=point, problem=found)
-        else:
-            yield Outcome(point=point, result=found)
+            sent[executor.submit(attempted, work, point, versions())] = point, lost
+        except RunStopped:
+            raise
+        except Exception as problem:  # noqa: BLE001  (whatever it says, it does not take them)
+            future.set_exception(problem)
+            sent[future] = point, lost
+            return False
+    return True
 
-    def _lose(self, point: Point, lost: int, problem: Exception) -> Iterator[Outcome[Result]]:
-        """Let a point that was lost with its worker wait again, or yield it if it has cost too many."""
-        if lost + 1 < TRIES:
-            self._waiting[lost + 1].append(point)
-        else:
-            reason = " ".join(str(problem).split())
-            yield Outcome(point=point, problem=RubnoiseError(f"{TRIES} workers died of it: {reason}"))
+
+def _result(future: "Future[Any]") -> Any:
+    """Return the result of a call, or the error with which its worker died."""
+    try:
+        return future.result()
+    except CancelledError as problem:
+        raise WorkLost(SCHEDULER_GONE) from problem
+    except WorkLost:
+        raise
+    except Exception as problem:  # noqa: BLE001  (whatever it is, the worker died of it)
+        return problem

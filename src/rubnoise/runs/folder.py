@@ -1,38 +1,42 @@
-"""The folder of a sweep: the file of each run, made, found again and read, whose runs are there, and for how many more.
+"""The folder of a sweep: the file of each run, made, found again and read, and the index, made from the figures of all.
 
 A file with its final name is complete, so nothing else is written down: who finds the file need not make it. A run that
-keeps its summary alone has its figures and curves in an archive of numpy's.
+keeps its summary alone has its figures and curves in an archive of numpy's. Figures in an index that is not stale are
+taken from there.
 """
 
 import json
-import os
-import re
-import zipfile
-import zlib
-from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final, Self, cast
+from typing import Any, Final, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
-from rubnoise.errors import OutputRefused, Refused, RunFileRefused
+from rubnoise.errors import OutputRefused, RunFileRefused, in_few
+from rubnoise.figure_names import DONE, FAILED, FIGURE_NAMES, PLANNED
 from rubnoise.record.reader import Reader
+from rubnoise.regular_file import INDEX, open_stream
 from rubnoise.runs.making import describe, play
-from rubnoise.scenario.document import Keep
-from rubnoise.scenario.scenario import Scenario, flattened
-from rubnoise.scenario.sweep import Point, Sweep, in_words, name_of, points_of, run_id
+from rubnoise.scenario.document import SECTIONS, Keep
+from rubnoise.scenario.fields import keys_of
+from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.sweep import Point, Sweep, name_of
 from rubnoise.simulation.draws import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
-from rubnoise.storage.forecast import check_sweep_space, expected, together
-from rubnoise.storage.output import whole_file
-from rubnoise.storage.reader import InUse, TooNew, open_run
-from rubnoise.storage.writer import RunWriter
+from rubnoise.storage.index import Filled, Index, read_index
+from rubnoise.storage.layout import now, package_version
+from rubnoise.storage.objects import naming_damage
+from rubnoise.storage.output import OutputInUse, whole_file
+from rubnoise.storage.reader import InUse, TooNew, open_run, refusing
+from rubnoise.storage.schema import Dataset
+from rubnoise.storage.writer import run_writer
 from rubnoise.streams import STREAM_VERSION
+from rubnoise.units import RATIO, Quantity
 
 RUNS: Final = "runs"
 """The folder of the files, in that of the sweep."""
@@ -51,22 +55,25 @@ def file_of(folder: Path, run_id: str, keep: Keep) -> Path:
     return folder / RUNS / f"{run_id}{SUFFIXES[keep]}"
 
 
-def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch) -> Figures:
-    """Make one run into its file, unless it is there, and return its figures.
+def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch) -> Figures | None:
+    """Make one run into its file, unless it is there, and return its figures; None if another process is making it.
 
-    ``watch`` is called after each range of ticks, and may raise. Raises OutputInUse if another process is making the
-    run, OutputRefused if the result of another run is in its place.
+    ``watch`` is called after each range of ticks, and may raise. Raises OutputRefused if the result of another run is
+    in its place.
     """
     path = file_of(folder, point.run_id, keep)
-    if (there := found(point, path)) is not None:
-        return there
-    if keep == "summary":
-        summary = summarised(point.scenario, first=point.replicate == 0, watch=watch)
-        with whole_file(path, force=True) as part:
-            _save(part, point.scenario, summary)
-        return summary
-    with RunWriter(path, describe(point.scenario, path, command), force=True) as writer:
-        return numbers_in(play(writer, point.scenario, watch=watch))
+    try:
+        if (there := found(point, path)) is not None:
+            return there
+        if keep == "summary":
+            summary = summarised(point.scenario, first=point.replicate == 0, watch=watch)
+            with whole_file(path, force=True) as part:
+                _save(part, point.scenario, summary)
+            return summary
+        with run_writer(path, describe(point.scenario, path, command), force=True) as writer:
+            return numbers_in(play(writer, point.scenario, watch=watch))
+    except (OutputInUse, InUse):
+        return None
 
 
 def numbers_in(figures: Figures) -> Figures:
@@ -84,15 +91,11 @@ def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda _distan
 
 def _save(path: Path, scenario: Scenario, summary: Figures) -> None:
     numbers = numbers_in(summary)
-    arrays = {
-        f"{'curve' if name in CURVES else 'point'} {name}": values
-        for name, values in summary.items()
-        if name not in numbers
-    }
-    arrays |= {"names": np.array([*numbers]), "values": np.array([*numbers.values()])}
-    arrays |= {"stream_version": np.array(STREAM_VERSION), "scenario": np.array(json.dumps(scenario.resolved()))}
+    kept = {name: values for name, values in summary.items() if name not in numbers}
+    kept |= {"names": np.array([*numbers]), "values": np.array([*numbers.values()])}
+    kept |= {"stream_version": np.array(STREAM_VERSION), "scenario": np.array(json.dumps(scenario.resolved()))}
     with path.open("wb") as file:
-        np.savez(file, allow_pickle=False, **arrays)
+        np.savez(file, allow_pickle=False, **kept)
 
 
 def found(point: Point, path: Path) -> Figures | None:
@@ -104,7 +107,7 @@ def found(point: Point, path: Path) -> Figures | None:
     if not path.exists():
         return None
     try:
-        resolved, figures = read(path)
+        resolved, figures = read(path, checked=True)
     except RunFileRefused as refusal:
         if isinstance(refusal, InUse | TooNew) or isinstance(refusal.__cause__, OSError):
             raise
@@ -114,27 +117,16 @@ def found(point: Point, path: Path) -> Figures | None:
     return figures
 
 
-_NOT_UNPACKED: Final = (zipfile.BadZipFile, zlib.error)
-
-
-def read(path: Path) -> tuple[Mapping[str, Any], Figures | None]:
-    """Return the scenario in the file of a run and its figures, None if the file is not as it was written.
+def read(path: Path, *, checked: bool = False) -> tuple[Mapping[str, Any], Figures | None]:
+    """Return the scenario in the file of a run and its figures, None if it is ``checked`` and not as it was written.
 
     The scenario is empty if this version makes other bits of it. Raises RunFileRefused for another file.
     """
     if path.suffix == SUFFIXES["summary"]:
         return _read_summary(path)
     with open_run(path) as file:
-        whole = file.provenance["finished"] and file.summary and not file.damaged()
-        return scenario_in(file), numbers_in(file.summary) if whole else None
-
-
-def scenario_of(path: Path) -> Mapping[str, Any]:
-    """Return the scenario in the file of a run, as `read` does."""
-    if path.suffix == SUFFIXES["summary"]:
-        return _read_summary(path)[0]
-    with open_run(path) as file:
-        return scenario_in(file)
+        spoilt = checked and (not file.summary or file.damaged())
+        return scenario_in(file), None if spoilt else numbers_in(file.summary)
 
 
 def scenario_in(file: Reader) -> Mapping[str, Any]:
@@ -152,18 +144,11 @@ def scenario_in(file: Reader) -> Mapping[str, Any]:
 
 
 def _read_summary(path: Path) -> tuple[Mapping[str, Any], Figures]:
-    try:
-        with np.load(path) as kept:
-            same = kept["stream_version"] == STREAM_VERSION
-            figures = dict(zip(kept["names"].tolist(), kept["values"].tolist(), strict=True))
-            arrays = {
-                name.partition(" ")[2]: kept[name] for name in kept.files if name.startswith(("curve ", "point "))
-            }
-            return dict(json.loads(str(kept["scenario"]))) if same else {}, figures | arrays
-    except (ValueError, LookupError, TypeError, EOFError, RuntimeError, MemoryError, *_NOT_UNPACKED) as problem:
-        raise RunFileRefused(f"{path}: damaged: {problem}") from None
-    except OSError as problem:
-        raise RunFileRefused(f"{path}: {str(problem.strerror or problem).lower()}") from problem
+    with refusing(path), open_stream(path) as stream, naming_damage(), np.load(stream) as file:
+        kept = dict(file)
+        version, scenario, names, values = map(kept.pop, ("stream_version", "scenario", "names", "values"))
+        figures = dict(zip(names.tolist(), values.tolist(), strict=True))
+        return dict(json.loads(str(scenario))) if version == STREAM_VERSION else {}, figures | kept
 
 
 def name_in(resolved: Mapping[str, Any], path: Path, seed: int | None = None) -> str:
@@ -174,104 +159,158 @@ def name_in(resolved: Mapping[str, Any], path: Path, seed: int | None = None) ->
         raise RunFileRefused(f"{path}: the scenario in the file is not valid") from problem
 
 
-_SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
-_RUN: Final = re.compile(r"[0-9a-f]{16}(?:\.h5|\.npz)")
-_FREE: Final = ("title", "run.engine", "run.seed", "output.tick")
-"""Keys that the names of points do not depend on, and the tick, whose default follows from the others."""
+# The index.
+ABOUT: Final = {
+    "run": "row number of the run",
+    "run_id": "name of the run",
+    "point": "number of the point",
+    "replicate": "number of the replicate",
+    "seed": "seed of the random streams",
+    "file": "result of the run, seen from this folder",
+    "state": "planned, done or failed",
+    "reason": "why it failed",
+}
+"""The columns of runs that are neither swept keys nor figures, and what they mean."""
+
+_FILE_KEYS: Final = ("diameter.file", "diameter.column")
 
 
-def check_folder(root: Path) -> None:
-    """Raise OutputRefused if a path is no folder for a sweep: it cannot be written, or holds other files."""
-    # A path that may not be looked at counts as missing here: it is the folder above that is closed.
-    above = next(place for place in (root, *root.absolute().parents) if os.path.lexists(place))
-    if not above.is_dir():
-        raise OutputRefused(f"{above}: is no folder")
-    if not os.access(above, os.W_OK | os.X_OK):
-        raise OutputRefused(f"{above}: the folder is not writable")
-    if above != root:
-        return
-    if not os.access(root, os.R_OK):
-        raise OutputRefused(f"{root}: the folder is not readable")
-    if not (root / RUNS).is_dir() and any(not entry.name.startswith(".") for entry in root.iterdir()):
-        raise OutputRefused(f"{root}: is not a sweep folder, and not empty; name another folder")
+def index_of(
+    sweep: Sweep, points: Sequence[Point], found: Mapping[str, Figures], failed: Mapping[str, str], command: str
+) -> Index:
+    """Return the index of a sweep: runs that were ``found``, that ``failed`` for a reason, and that are planned."""
+    firsts: dict[tuple[Any, ...], Point] = {}
+    for point in points:
+        firsts.setdefault(tuple(point.values.values()), point)
+    places = {values: number for number, values in enumerate(firsts)}
+    numbers = [places[tuple(point.values.values())] for point in points]
+    runs, names = [found.get(point.run_id, {}) for point in points], [point.run_id for point in points]
+    states = [DONE if name in found else FAILED if name in failed else PLANNED for name in names]
+    reasons = [in_few(failed[name]) if state == FAILED else "" for name, state in zip(names, states, strict=True)]
+    kept = found if sweep.keep == "runs" else {}
+    values = {
+        "run": range(len(points)),
+        "run_id": names,
+        "point": numbers,
+        "replicate": [point.replicate for point in points],
+        "seed": [point.seed for point in points],
+        "file": [file_of(Path(), name, "runs").as_posix() if name in kept else "" for name in names],
+        "state": states,
+        "reason": reasons,
+    }
+    about = [_column(name, meaning, values[name]) for name, meaning in ABOUT.items()]
+    keys = [_swept(key, [point.scenario for point in firsts.values()]) for key in sweep.keys]
+    swept = [replace(key, values=key.values[numbers]) for key in keys]
+    of_points = [
+        _column("point", "number of the point", range(len(firsts))),
+        _column("values", "swept values as written, as JSON", [*map(_values_of, firsts.values())]),
+        *keys,
+    ]
+    of_runs = [*about[:4], *swept, *about[4:], *figure_columns(runs)]
+    return Index(
+        texts=_texts(sweep, next(iter(firsts.values())).scenario, command),
+        points={column.about.name: column for column in of_points},
+        runs={column.about.name: column for column in of_runs},
+        summaries=_summaries(runs, numbers, len(firsts)),
+    )
 
 
-def run_files(root: Path) -> Iterator[Path]:
-    """Yield the files of runs in the folder of a sweep, in the order of their names."""
-    folder = root / RUNS
-    if folder.is_dir():
-        yield from sorted(path for path in folder.iterdir() if _RUN.fullmatch(path.name))
+def _values_of(point: Point) -> str:
+    """Return the swept values of a point as written, with the sizes of a swept file, which may go, as JSON."""
+    found = dict(point.values)
+    if not found.keys().isdisjoint(_FILE_KEYS):
+        sizes = point.scenario.resolved()["diameter"]
+        found |= {f"diameter.{name}": sizes[name] for name in ("values", "hash")}
+    return json.dumps(found)
 
 
-def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
-    """Raise OutputRefused if a folder holds the run of a scenario that the sweep lacks; ``known`` are its runs.
+def _texts(sweep: Sweep, first: Scenario, command: str) -> dict[str, str]:
+    resolved = first.resolved()
+    if "tick" not in first.given.get("output", {}):
+        del resolved["output"]["tick"]  # its default follows the size of the junctions of each point
+    return {
+        "title": sweep.title,
+        "source": f"rubnoise {package_version('rubnoise')}",
+        "written": now(),
+        "command": command,
+        "scenario_toml": sweep.text,
+        "scenario_resolved": json.dumps(resolved, ensure_ascii=False),
+        "grid": json.dumps([key for key in sweep.keys if key not in sweep.side_by_side]),
+        "side_by_side": json.dumps(list(sweep.side_by_side)),
+    }
 
-    Further replicates of its points are no strangers.
+
+def _column(name: str, meaning: str, values: Sequence[Any], units: str = "1") -> Filled:
+    """Return texts, whole numbers, or numbers in a unit."""
+    array = np.array(values)
+    about = Dataset(name, "" if array.dtype.kind == "U" else units, "", meaning, dtype=array.dtype.str)
+    return Filled(about=about, values=array)
+
+
+def _swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
+    """Return the values of a key as numbers in its working unit, or as texts if they are not numbers of one kind."""
+    section, name = key.split(".")
+    values = [getattr(getattr(scenario, section), name) for scenario in scenarios]
+    meaning = keys_of(SECTIONS[section])[name].about
+    units = {(value.kind.unit if isinstance(value, Quantity) and value.kind != RATIO else "1") for value in values}
+    if len(units) == 1 and all(isinstance(value, int | float) for value in values):
+        return _column(key, meaning, [float(value) for value in values], units.pop())
+    return _column(key, meaning, [value.as_text() if isinstance(value, Quantity) else str(value) for value in values])
+
+
+def figure_columns(runs: Sequence[Figures]) -> Iterator[Filled]:
+    """Yield a column for each figure that a run has."""
+    for name in dict.fromkeys(name for run in runs for name, value in run.items() if not isinstance(value, np.ndarray)):
+        # the name of a column begins with that of a figure of /summary
+        unit = next((known.unit for figure, known in FIGURE_NAMES.items() if name.startswith(figure)), "") or "1"
+        yield _column(name, name.replace("_", " "), [float(run.get(name, np.nan)) for run in runs], unit)
+
+
+def _summaries(runs: Sequence[Figures], numbers: Sequence[int], points: int) -> dict[str, NDArray[Any]]:
+    """Return the curves of runs, a row for each, and what is the same for all runs of a point, a row for each point.
+
+    What there is not is nan.
     """
-    cases = {run_id(case.scenario): case for case in sweep.cases}
-    seed = sweep.cases[0].scenario.run.seed
-    replicates: dict[str, set[str]] = {}
-    others = [path for path in run_files(root) if path.stem not in known]
-    for path in others:
-        with suppress(RunFileRefused):  # a damaged one is of no sweep
-            resolved = scenario_of(path)
-            if (name := name_in(resolved, path, seed)) not in cases:
-                raise _stranger(path, _difference(resolved, sweep))
-            if name not in replicates:
-                more = points_of([cases[name]], len(others) + len(known))
-                replicates[name] = {point.run_id for point in more}
-            if path.stem not in replicates[name]:
-                raise _stranger(path, "its seed is of another run.seed")
+    found: dict[str, NDArray[Any]] = {}
+    for row, (number, run) in enumerate(zip(numbers, runs, strict=True)):
+        for name, values in run.items():
+            if isinstance(values, np.ndarray):
+                of_run = name in CURVES
+                if name not in found:
+                    found[name] = np.full((len(runs) if of_run else points, values.size), np.nan)
+                found[name][row if of_run else number] = values
+    return found
 
 
-def _stranger(path: Path, reason: str) -> OutputRefused:
-    where = f"{path.parent.parent}: holds the runs of another scenario"
-    return OutputRefused(f"{where}; {path.stem}: {reason}; force=True leaves them beside the runs of this one")
+def known_runs(root: Path, sweep: Sweep) -> tuple[dict[str, Figures], dict[str, str], int]:
+    """Return what the index of a folder knows: runs whose files are older than it, failures, and replicates of points.
+
+    Nothing if there is no index, or a damaged one: everything is then read from the files.
+    """
+    found: dict[str, Figures] = {}
+    try:
+        written = (root / INDEX).stat().st_mtime_ns
+        index = read_index(root / INDEX)
+    except (OSError, RunFileRefused):
+        return {}, {}, 0
+    for run_id, figures in figures_in(index, sweep.keep):
+        with suppress(OSError):
+            about = file_of(root, run_id, sweep.keep).stat()
+            if max(about.st_mtime_ns, about.st_ctime_ns) <= written:
+                found[run_id] = figures
+    columns = [index.runs[name].values.tolist() for name in ("run_id", "state", "reason")]
+    failed = {name: reason for name, state, reason in zip(*columns, strict=True) if state == FAILED}
+    return found, failed, 1 + int(index.runs["replicate"].values.max(initial=-1))
 
 
-def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
-    """Return in what a run differs from all points of a sweep, which differ among themselves in the swept keys."""
-    if not resolved:
-        return "this version makes other bits of its scenario"
-    there = flattened(resolved)
-    here = flattened(json.loads(json.dumps(sweep.cases[0].scenario.resolved())))
-    for key in sorted((here.keys() | there.keys()) - {*_FREE, *sweep.keys}):
-        one, other = there.get(key, "not given"), here.get(key, "not given")
-        if one != other:
-            return f"{key} is {one} there, and {other} here"
-    return f"it is of a point that this sweep lacks: {in_words({key: there.get(key) for key in sweep.keys})}"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Shard:
-    """One of several parts of a sweep, numbered from 1, for processes that do not communicate."""
-
-    number: int
-    count: int
-
-    @classmethod
-    def of(cls, text: str) -> Self:
-        """Return the shard that a text such as `2/8` names; raises Refused."""
-        found = _SHARD.fullmatch(text)
-        if found is None or int(found[1]) > int(found[2]):
-            raise Refused(f'shard=: "{text[:20]}" is no part of a whole; right form: shard="2/8", from 1/8 to 8/8')
-        return cls(number=int(found[1]), count=int(found[2]))
-
-    def names(self, whole: Iterable[str]) -> set[str]:
-        """Return the names in this shard, whatever their order."""
-        return set(sorted(whole)[self.number - 1 :: self.count])
-
-    def of_sweep(self, sweep: Sweep) -> Sweep:
-        """Return the part of a sweep with a precision: whole points, since the shard decides on them."""
-        mine = self.names(run_id(case.scenario) for case in sweep.cases)
-        return replace(sweep, cases=tuple(case for case in sweep.cases if run_id(case.scenario) in mine))
-
-
-def check_room(sweep: Sweep, root: Path, jobs: int, points: Sequence[Point]) -> None:
-    """Refuse a sweep if its results do not fit on the disk, or the runs at one time not into memory."""
-    counts = Counter(point.scenario.model() for point in points)
-    one_of_each = {point.scenario.model(): point.scenario for point in points}
-    budget = together((expected(one_of_each[model]), count) for model, count in counts.items())
-    if sweep.keep == "summary":
-        budget = replace(budget, result_bytes=0, disk_bytes=0)
-    check_sweep_space(budget, root, jobs=min(jobs, len(points)))
+def figures_in(index: Index, keep: Keep) -> Iterator[tuple[str, Figures]]:
+    """Yield the names of runs that an index calls done, with their figures, and curves of runs that keep no more."""
+    names = [name for name in index.runs if name not in {*ABOUT, *index.keys}]
+    figures = np.array([index.runs[name].values for name in names]).T.tolist()
+    columns = [index.runs[name].values.tolist() for name in ("run_id", "point", "replicate", "file", "state")]
+    for row, (run_id, point, replicate, file, state) in enumerate(zip(*columns, strict=True)):
+        if state == DONE and bool(file) == (keep == "runs"):
+            of_run = {name: values[row] for name, values in index.summaries.items() if name in CURVES}
+            of_point = {name: values[point] for name, values in index.summaries.items() if name not in CURVES}
+            arrays = of_run if replicate else of_run | of_point
+            yield run_id, dict(zip(names, figures[row], strict=True)) | arrays

@@ -3,29 +3,31 @@
 A run that another process is making is left to it. Who makes runs is an executor (see `executors`).
 """
 
+import json
 import os
+import re
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, nan
 from pathlib import Path
 from shlex import join
 from typing import Any, Final
 
-from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
+from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped
 from rubnoise.regular_file import INDEX
 from rubnoise.runs import executors
-from rubnoise.runs.executors import Attempts, Outcome
-from rubnoise.runs.folder import RUNS, Figures, Shard, check_folder, check_room, check_strangers, file_of, found, made
-from rubnoise.runs.index import index_of, known_runs
-from rubnoise.scenario.document import Sweeping
-from rubnoise.scenario.sweep import Case, Point, Sweep, points_of
+from rubnoise.runs.executors import Failed
+from rubnoise.runs.folder import RUNS, Figures, file_of, found, index_of, known_runs, made, name_in, read
+from rubnoise.scenario.scenario import flattened
+from rubnoise.scenario.sweep import Case, Point, Sweep, in_words, points_of, run_id
+from rubnoise.storage.forecast import check_sweep_space
 from rubnoise.storage.index import index_bytes
 from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import OutputInUse, whole_file
-from rubnoise.storage.reader import InUse
 
 Ended = Mapping[str, Mapping[str, float]]
 """Figures of the runs that have ended, by run id; a failed run has none."""
@@ -48,13 +50,12 @@ class AdaptiveReplicates:
     """
 
     def __init__(self, sweep: Sweep) -> None:
-        self.settings: Final = sweep.precision
-        self._replicates = sweep.replicates
-        self._known = [(case, list(points_of([case], sweep.replicates))) for case in sweep.cases]
+        self._settings, self._replicates = sweep.precision, sweep.replicates
+        self._known = [(case, [*points_of([case], sweep.replicates)]) for case in sweep.cases]
 
     def __call__(self, ended: Ended) -> tuple[Point, ...]:
         """Return the needed runs that have not ended; none if every point has its precision or its last replicate."""
-        batches = (self._batch(case, known, ended) for case, known in self._known)
+        batches = [self._batch(case, known, ended)[0] for case, known in self._known]
         return tuple(point for batch in batches for point in batch if point.run_id not in ended)
 
     @property
@@ -64,36 +65,98 @@ class AdaptiveReplicates:
 
     def unmet(self, ended: Ended) -> list[Unmet]:
         """Return the points whose needed runs have all ended without reaching their precision."""
-        found = []
+        found, settings = [], self._settings
         for case, known in self._known:
-            batch = self._batch(case, known, ended)
-            if self.settings is None or not _complete(batch, ended):
-                continue
-            reached = self.settings.reached(_values(self.settings, batch, ended))
-            if reached > (self.settings.precision or inf):
+            batch, values = self._batch(case, known, ended)
+            if settings and values and (reached := settings.reached(values)) > (settings.precision or inf):
                 found.append(Unmet(values=case.values, replicates=len(batch), reached=reached))
         return found
 
-    def _batch(self, case: Case, known: list[Point], ended: Ended) -> list[Point]:
-        """Return all runs of a point up to the end of the first batch that is not complete, or of the last."""
-        batch = known[: self._replicates]
-        while self.settings and _complete(batch, ended):
-            wanted = self.settings.wanted(_values(self.settings, batch, ended))
-            if wanted == len(batch):
-                break
-            known += points_of([case], wanted, len(known))
-            batch = known[:wanted]
-        return batch
+    def _batch(self, case: Case, known: list[Point], ended: Ended) -> tuple[list[Point], list[float]]:
+        """Return all runs of a point up to the end of the first batch that has not ended, or of the last.
+
+        If there is a precision and they have all ended, with the values that it is judged by.
+        """
+        batch, values, wanted = list[Point](), list[float](), self._replicates
+        while len(batch) < wanted:
+            if len(known) < wanted:
+                known += points_of([case], wanted, len(known))
+            batch, values = known[:wanted], []
+            if self._settings and all(point.run_id in ended for point in batch):
+                values = [ended[point.run_id].get(self._settings.quantity, nan) for point in batch]
+                wanted = self._settings.wanted(values)
+        return batch, values
 
 
-def _complete(batch: list[Point], ended: Ended) -> bool:
-    return all(point.run_id in ended for point in batch)
+# What belongs to a folder.
+_SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
+_RUN: Final = re.compile(r"[0-9a-f]{16}(?:\.h5|\.npz)")
+_FREE: Final = ("title", "run.engine", "run.seed", "output.tick")
+"""Keys that the names of points do not depend on, and the tick, whose default follows from the others."""
 
 
-def _values(settings: Sweeping, batch: list[Point], ended: Ended) -> list[float]:
-    return [ended[point.run_id].get(settings.quantity, nan) for point in batch]
+def check_folder(root: Path) -> None:
+    """Raise OutputRefused if a path is no folder for a sweep: it cannot be written, or holds other files."""
+    # A path that may not be looked at counts as missing here: it is the folder above that is closed.
+    above = next(place for place in (root, *root.absolute().parents) if os.path.lexists(place))
+    if not above.is_dir():
+        raise OutputRefused(f"{above}: is no folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise OutputRefused(f"{above}: the folder is not writable")
+    if above != root:
+        return
+    if not os.access(root, os.R_OK):
+        raise OutputRefused(f"{root}: the folder is not readable")
+    if not (root / RUNS).is_dir() and any(not entry.name.startswith(".") for entry in root.iterdir()):
+        raise OutputRefused(f"{root}: is not a sweep folder, and not empty; name another folder")
 
 
+def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
+    """Raise OutputRefused if a folder holds the run of a scenario that the sweep lacks; ``known`` are its runs.
+
+    Further replicates of its points are no strangers, damaged files are of no sweep.
+    """
+    cases, seed = {run_id(case.scenario): case for case in sweep.cases}, sweep.cases[0].scenario.run.seed
+    there = sorted((root / RUNS).iterdir()) if (root / RUNS).is_dir() else []
+    others = [path for path in there if _RUN.fullmatch(path.name) and path.stem not in known]
+    replicates: dict[str, set[str]] = {}
+    for path in others:
+        with suppress(RunFileRefused):
+            resolved, _ = read(path)
+            name, reason = name_in(resolved, path, seed), ""
+            if name not in cases:
+                reason = _difference(resolved, sweep)
+            elif name not in replicates:
+                more = points_of([cases[name]], len(others) + len(known))
+                replicates[name] = {point.run_id for point in more}
+            if reason or path.stem not in replicates[name]:
+                said = f"{path.stem}: {reason or 'its seed is of another run.seed'}"
+                remedy = "force=True leaves them beside the runs of this one"
+                raise OutputRefused(f"{root}: holds the runs of another scenario; {said}; {remedy}")
+
+
+def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
+    """Return in what a run differs from all points of a sweep, which differ among themselves in the swept keys."""
+    if not resolved:
+        return "this version makes other bits of its scenario"
+    there = flattened(resolved)
+    here = flattened(json.loads(json.dumps(sweep.cases[0].scenario.resolved())))
+    for key in sorted((here.keys() | there.keys()) - {*_FREE, *sweep.keys}):
+        one, other = there.get(key, "not given"), here.get(key, "not given")
+        if one != other:
+            return f"{key} is {one} there, and {other} here"
+    return f"it is of a point that this sweep lacks: {in_words({key: there.get(key) for key in sweep.keys})}"
+
+
+def in_shard(shard: str, whole: Iterable[str]) -> set[str]:
+    """Return the names in one of several parts of a whole, such as "2/8", whatever their order; raises Refused."""
+    found = _SHARD.fullmatch(shard)
+    if found is None or int(found[1]) > int(found[2]):
+        raise Refused(f'shard=: "{shard[:20]}" is no part of a whole; right form: shard="2/8", from 1/8 to 8/8')
+    return set(sorted(whole)[int(found[1]) - 1 :: int(found[2])])
+
+
+# What is made.
 EVERY: Final = 5.0
 """Least seconds between two indices."""
 
@@ -140,14 +203,15 @@ def carry_out(
     the results. ``watch`` is called with the progress several times a second, and may raise RunStopped. Raises Refused,
     OutputRefused, SweepStopped after a signal, WorkLost if a cluster is gone.
     """
-    root, part = Path(folder).absolute(), None if shard is None else Shard.of(shard)
+    root = Path(folder).absolute()
     if isinstance(executor, str) and jobs is not None:
         raise Refused("jobs=: the workers of a cluster are its own; leave jobs= out")
     executors.local(jobs)  # which refuses what is no number
     check_folder(root)
-    making = _Making(sweep, root, part, tuple(command or this_command()), watch)
+    making = _Making(sweep, root, shard, tuple(command or this_command()), watch)
     if not force:
-        making.check_strangers()
+        planned = points_of(sweep.cases, max(sweep.replicates, making.replicates))
+        check_strangers(root, sweep, {point.run_id for point in planned})
     try:
         making.make_all(jobs, executor)
     except RunStopped as stopped:
@@ -163,101 +227,97 @@ class _Making:
         self,
         sweep: Sweep,
         root: Path,
-        shard: Shard | None,
+        shard: str | None,
         command: tuple[str, ...],
         watch: Callable[[SweepProgress], None],
     ) -> None:
-        self.sweep, self.root, self._command, self._watch = sweep, root, command, watch
-        self.found, self._before, self._replicates = known_runs(root, sweep)
+        self._sweep, self._root, self._command, self._watch = sweep, root, command, watch
+        self._found, self._before, self.replicates = known_runs(root, sweep)
         self._failed: dict[str, str] = {}
-        self._held: set[str] = set()
-        self._runs = self._beside = self._already = 0
-        self.adaptive = AdaptiveReplicates(shard.of_sweep(sweep) if shard is not None and sweep.precision else sweep)
-        names = [point.run_id for point in self.adaptive.points]
-        self._others = set(names) - shard.names(names) if shard is not None and not sweep.precision else set()
+        self._runs = self._done = self._already = 0
+        self._left: set[str] = set()  # to other processes
+        if shard is not None and sweep.precision:  # whole points, since the shard decides on them
+            mine = in_shard(shard, [run_id(case.scenario) for case in sweep.cases])
+            sweep = replace(sweep, cases=tuple(case for case in sweep.cases if run_id(case.scenario) in mine))
+        self._adaptive = AdaptiveReplicates(sweep)
+        if shard is not None and not sweep.precision:
+            names = [point.run_id for point in self._adaptive.points]
+            self._left = {*names} - in_shard(shard, names)
         self._due = time.monotonic() + EVERY if shard is None else inf  # a shard writes the index only at its end
-
-    def check_strangers(self) -> None:
-        """Raise OutputRefused for a folder with runs of other scenarios."""
-        planned = points_of(self.sweep.cases, max(self.sweep.replicates, self._replicates))
-        check_strangers(self.root, self.sweep, {point.run_id for point in planned})
 
     def make_all(self, jobs: int | None, executor: Any) -> None:
         """Take up the runs that are there, then make the missing ones until none is left."""
         if not (missing := self._missing()):
             return
-        check_room(self.sweep, self.root, (jobs or executors.processors()) if executor is None else 0, missing)
-        self._already = self._runs - len(missing)
-        with executors.opened(executor, jobs, len(missing) if self.sweep.precision is None else None) as opened:
-            (self.root / RUNS).mkdir(parents=True, exist_ok=True)
-            work = partial(
-                made,
-                folder=self.root,
-                keep=self.sweep.keep,
-                command=self._command,
-                watch=self._tell if opened.here else _unwatched,
-            )
+        processes = (jobs or executors.processors()) if executor is None else 0
+        scenarios = [point.scenario for point in missing]
+        check_sweep_space(scenarios, self._root, jobs=processes, keep=self._sweep.keep)
+        self._already = self._done
+        with executors.opened(executor, jobs, None if self._sweep.precision else len(missing)) as workers:
+            (self._root / RUNS).mkdir(parents=True, exist_ok=True)
+            watch = _unwatched if workers.lanes() else self._tell
+            work = partial(made, folder=self._root, keep=self._sweep.keep, command=self._command, watch=watch)
             self._tell()
-            with closing(Attempts(missing, work, opened, self._tell, self._missing).outcomes()) as outcomes:
-                for outcome in outcomes:
-                    self._record(outcome)
-                    self._refresh_if_due()
+            points, left = deque(missing), len(missing)
+            with closing(executors.outcomes(points, work, workers, self._tell)) as outcomes:
+                for point, result in outcomes:
+                    self._record(point.run_id, result)
+                    left -= 1
+                    if not left:
+                        points.extend(self._missing())
+                        left = len(points)
             self._tell()
 
     def _missing(self) -> list[Point]:
         """Return the wanted runs that are neither made now nor there; none if the sweep needs no more."""
-        left, missing = self._others | self._held, list[Point]()
-        while not missing and (points := [p for p in self.adaptive(self._ended()) if p.run_id not in left]):
-            missing = [point for point in points if not self._take_up(point)]
-        own = [point for point in self.adaptive.points if point.run_id not in self._others]
-        self._runs, self._beside = len(own), len(self.found) - sum(point.run_id in self.found for point in own)
+        missing = list[Point]()
+        while not missing and (wanted := [p for p in self._adaptive(self._ended()) if p.run_id not in self._left]):
+            missing = [point for point in wanted if not self._take_up(point)]
+        own = [point.run_id for point in self._adaptive.points if point.run_id not in self._left]
+        self._runs, self._done = len(own), sum(name in self._found for name in own)
         return missing
 
     def _tell(self, *_: object) -> None:
-        done = len(self.found) - self._beside
-        self._watch(SweepProgress(runs=self._runs, done=done, failed=len(self._failed), before=self._already))
+        failed = len(self._failed)
+        self._watch(SweepProgress(runs=self._runs, done=self._done, failed=failed, before=self._already))
 
     def _ended(self) -> dict[str, Figures]:
         """Return the figures of every run that has ended; a failed run has none."""
-        failed: dict[str, Figures] = {run_id: {} for run_id in self._failed}
-        return failed | self.found
+        failed: dict[str, Figures] = {name: {} for name in self._failed}
+        return failed | self._found
 
     def _take_up(self, point: Point) -> bool:
         """Take the figures of a run from its file, if it is there; whether it is known now."""
-        path = file_of(self.root, point.run_id, self.sweep.keep)
-        if point.run_id not in self.found:
+        path = file_of(self._root, point.run_id, self._sweep.keep)
+        if point.run_id not in self._found:
             with suppress(OutputRefused, RunFileRefused):  # which is said of the run when it is to be made
                 if (there := found(point, path)) is not None:
-                    self.found[point.run_id] = there
-        return point.run_id in self.found
+                    self._found[point.run_id] = there
+        return point.run_id in self._found
 
-    def _record(self, outcome: Outcome[Figures]) -> None:
-        run_id, problem = outcome.point.run_id, outcome.problem
-        self._before.pop(run_id, None)
-        if outcome.result is not None:
-            self.found[run_id] = outcome.result
-        elif isinstance(problem, OutputInUse | InUse):
-            self._held.add(run_id)
+    def _record(self, name: str, result: Figures | Failed | None) -> None:
+        """Note the end of a run, and write the index if the last one is old enough."""
+        self._before.pop(name, None)
+        if result is None:
+            self._left.add(name)
+        elif isinstance(result, Failed):
+            self._failed[name] = result
         else:
-            kind = "" if isinstance(problem, RubnoiseError) else f"{type(problem).__name__}: "
-            self._failed[run_id] = f"{kind}{problem}"
-
-    def _refresh_if_due(self) -> None:
-        """Write the index if the last one is old enough."""
-        if (began := time.monotonic()) < self._due:
-            return
-        with suppress(OutputInUse):
-            self._write_index(self.adaptive.points)
-        self._due = time.monotonic() + max(EVERY, (time.monotonic() - began) / SHARE)
+            self._found[name] = result
+            self._done += 1
+        if (began := time.monotonic()) >= self._due:
+            with suppress(OutputInUse):
+                self._write_index(self._adaptive.points)
+            self._due = time.monotonic() + max(EVERY, (time.monotonic() - began) / SHARE)
 
     def end(self) -> list[Unmet]:
         """Write the index of everything that is there, also of what others have made."""
-        (self.root / RUNS).mkdir(parents=True, exist_ok=True)
+        (self._root / RUNS).mkdir(parents=True, exist_ok=True)
         last = time.monotonic() + PATIENCE
         while True:
             try:
                 self._write_index()
-                return self.adaptive.unmet(self._ended())
+                return self._adaptive.unmet(self._ended())
             except OutputInUse:
                 if time.monotonic() >= last:
                     raise
@@ -265,16 +325,16 @@ class _Making:
 
     def _write_index(self, points: Sequence[Point] = ()) -> None:
         """Write the index over an older one, by default with all runs that are there now."""
-        with whole_file(self.root / INDEX, force=True) as part:
+        with whole_file(self._root / INDEX, force=True) as part:
             points = points or self._all_points()
-            index = index_of(self.sweep, points, self.found, self._before | self._failed, join(self._command))
+            index = index_of(self._sweep, points, self._found, self._before | self._failed, join(self._command))
             part.write_bytes(index_bytes(index))
 
     def _all_points(self) -> Sequence[Point]:
         """Look for the runs of others, and return all runs that the sweep needs as far as is known."""
-        known, before, _ = known_runs(self.root, self.sweep)
-        self.found, self._before = known | self.found, before | self._before
-        whole = AdaptiveReplicates(self.sweep)
+        known, before, _ = known_runs(self._root, self._sweep)
+        self._found, self._before = known | self._found, before | self._before
+        whole = AdaptiveReplicates(self._sweep)
         looked_for: set[str] = set()
         while more := [point for point in whole(self._ended()) if point.run_id not in looked_for]:
             looked_for |= {point.run_id for point in more if not self._take_up(point)}

@@ -1,14 +1,19 @@
 """Verify a result: its bytes against their hashes, its attributes, and its run, played again and compared row by row.
 
 Scenario and seed fix every row, and every attribute except some texts about the origin, which the seal covers. So a
-file is right if it is, to the last bit, what this program writes of its scenario.
+file is right if it is, to the last bit, what this program writes of its scenario. Of the folder of a sweep every run is
+verified, and what the index says of runs is compared with their files.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+import os
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import inf, isnan
+from math import inf, isnan, nan
+from os.path import commonprefix
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -20,19 +25,24 @@ from rubnoise.analysis.measured import Measured
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
-from rubnoise.record.reader import Reader, Rows, column_chunks
+from rubnoise.figure_names import DONE
+from rubnoise.record.reader import Rows
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Columns, Extent, Tee
 from rubnoise.record.tally import Moments
+from rubnoise.regular_file import INDEX
+from rubnoise.runs.folder import RUNS, SUFFIXES, Figures, figures_in, name_in, numbers_in, read, scenario_in, summarised
 from rubnoise.runs.making import describe
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
+from rubnoise.scenario.sweep import name_of
 from rubnoise.simulation.run import Ended, simulate
 from rubnoise.storage.format import seal_of
-from rubnoise.storage.inventory import OF_HDF5, Entry, expected_inventory
-from rubnoise.storage.layout import environment
-from rubnoise.storage.life_curve import life_tables
-from rubnoise.storage.reader import RunFile
+from rubnoise.storage.index import read_index
+from rubnoise.storage.layout import environment, life_tables
+from rubnoise.storage.objects import expected_inventory
+from rubnoise.storage.output import PART
+from rubnoise.storage.reader import UNREADABLE, RunFile, open_run, refusing
 from rubnoise.storage.schema import HASH, INTERVENTION
 from rubnoise.streams import STREAM_VERSION
 
@@ -63,16 +73,10 @@ class Check:
         """Whether no value differs."""
         return self.different == 0
 
-    @property
-    def row(self) -> Row:
-        """The row of an answer: the number of values, how many differ, and the first of these."""
-        note = "" if self.holds else f"{self.different:,} different; the first: {self.first}"
-        return Row(part="checks", name=self.name, value=self.values, note=note, fails=not self.holds)
-
     def equal(self, place: str, first_row: int, found: NDArray[Any], expected: NDArray[Any]) -> None:
         """Compare rows of a column bit for bit: -0 differs from 0, and nan equals nan."""
-        right = expected.astype(found.dtype, copy=False)
-        wrong = np.flatnonzero(_bits(found) != _bits(right))
+        right, bits = np.ascontiguousarray(expected, found.dtype), f"u{found.dtype.itemsize}"
+        wrong = np.flatnonzero(np.ascontiguousarray(found).view(bits) != right.view(bits))
         self.values += found.size
         if wrong.size:
             one, other = (repr(each[wrong[0]].item()) for each in (found, right))
@@ -83,19 +87,13 @@ class Check:
         self.values += 1
         if found != expected:
             one, other = str(found), str(expected)
-            shared = next((n for n, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]), 0)
-            begin = max(shared - LONGEST // 2, 0)
-            one, other = one[begin : begin + LONGEST], other[begin : begin + LONGEST]
-            self.differ(f"{place} is {one}, should be {other}")
+            begin = max(len(commonprefix([one, other])) - LONGEST // 2, 0)  # noqa: RUF071  (of any text)
+            self.differ(f"{place} is {one[begin:][:LONGEST]}, should be {other[begin:][:LONGEST]}")
 
     def differ(self, said: str, count: int = 1) -> None:
         """Count differences, and keep what is said of the first one."""
         self.different += count
         self.first = self.first or said
-
-
-def _bits(values: NDArray[Any]) -> NDArray[np.unsignedinteger[Any]]:
-    return np.ascontiguousarray(values).view(f"u{values.dtype.itemsize}")
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -128,14 +126,12 @@ class Verification(Answer):
 
 def verification(checks: Sequence[Check], omitted: Sequence[Row] = (), remark: str = "") -> Verification:
     """Return the answer of finished checks, of what was left out, and of what may explain a difference."""
-    values = sum(check.values for check in checks)
-    return Verification(
-        rows=(*(check.row for check in checks), *omitted),
-        notes=(remark,) if remark else (),
-        judged=f"{len(checks)} checks of {values:,} values",
-        checks=checks,
-        remark=remark,
-    )
+    rows, values = [], sum(check.values for check in checks)
+    for check in checks:
+        note = "" if check.holds else f"{check.different:,} different; the first: {check.first}"
+        rows.append(Row(part="checks", name=check.name, value=check.values, note=note, fails=not check.holds))
+    judged, notes = f"{len(checks)} checks of {values:,} values", (remark,) if remark else ()
+    return Verification(rows=(*rows, *omitted), notes=notes, judged=judged, checks=checks, remark=remark)
 
 
 def verify(run: RunFile, *, regenerate: bool = False) -> Verification:
@@ -152,40 +148,29 @@ def verify(run: RunFile, *, regenerate: bool = False) -> Verification:
         raise Refused(f"{others}; leave --regenerate away")
     hashes, structure, attributes = checks = [Check("hashes"), Check("structure"), Check("attributes")]
     if lost := _check_hashes(hashes, run):
-        return _stopped(checks[:1], f"{lost[0]} cannot be read")
+        return verification(checks[:1], [left_out("everything else", f"{lost[0]} cannot be read")])
     try:
         scenario = stored(run.provenance["scenario_resolved"])
     except RunFileRefused as refusal:
         structure.differ(f"/provenance scenario_resolved {refusal}")
-        return _stopped(checks[:2], "there is no scenario")
+        return verification(checks[:2], [left_out("everything else", "there is no scenario")])
     _check_description(structure, attributes, scenario, run)
     if not structure.holds:
-        return _stopped(checks, "groups and columns are not those of the scenario")
+        return verification(checks, [left_out("everything else", "groups and columns are not those of the scenario")])
     if others:
         return verification(checks, [left_out(name, others) for name in ("replay", "summary")])
     return _played(checks, scenario, run)
 
 
-def _stopped(checks: list[Check], reason: str) -> Verification:
-    return verification(checks, [left_out("everything else", reason)])
-
-
 def _check_hashes(check: Check, run: RunFile) -> list[str]:
     """Compare columns and attributes with their hashes; return the columns that cannot be read."""
     check.values += sum(run.rows(group) * len(names) for group, names in run.columns.items())
-    lost = []
-    for place in run.damaged():
-        group, name = place[1:].split("/")
-        try:
-            for _ in column_chunks(run, group, name):
-                pass
-        except RunFileRefused:
-            lost.append(place)
-        found = "unreadable" if place in lost else "not what its hash was taken of"
+    damaged = run.damaged()
+    for place, found in damaged.items():
         check.say(place, found=found, expected="as it was written")
     right = seal_of(run.attributes, run.summary, run.provenance)
     check.say(f"/provenance {HASH}", found=run.seal or "missing", expected=right)
-    return lost
+    return [place for place, found in damaged.items() if found == UNREADABLE]
 
 
 def _check_description(structure: Check, attributes: Check, scenario: Scenario, run: RunFile) -> None:
@@ -202,33 +187,16 @@ def _check_description(structure: Check, attributes: Check, scenario: Scenario, 
     right = describe(scenario, run.path, (), str(run.provenance.get(INTERVENTION, "")), extent)
     right = right if scenario.title else replace(right, title=str(run.attributes["title"]))
     found, expected = run.inventory(), expected_inventory(right)
-    for path in dict.fromkeys([*expected, *found]):
-        there, here = (each.get(path, Entry("missing")) for each in (found, expected))
-        structure.say(path, found=there.words, expected=here.words)
-        has, should = there.attributes, here.attributes
-        for name in dict.fromkeys([*should, *has]) if path in found and path in expected else ():
-            of_rows = path == "/summary" and name not in should
-            if not of_rows and not (name in ORIGIN and name in has and name in should):
-                one, other = (each.get(name, ("missing", "missing")) for each in (has, should))
-                same = json.dumps(one[0]) == json.dumps(other[0])
-                shown = [each[1] if same and name not in OF_HDF5 else json.dumps(each[0]) for each in (one, other)]
-                attributes.say(f"{path} {name}", found=shown[0], expected=shown[1])
-
-
-def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verification:
-    """Return the verification with a check of each group, and of the summary if rows are right."""
-    compared, seen = _Compared(run), Measured(scenario.model())
-    compared.play(scenario, run, seen)
-    groups = [*compared.checks.values()]
-    if all(check.holds for check in groups):
-        summary = _summary_check(seen, run.summary)
-        return verification([*checks, *groups, summary])
-    there, here = str(run.provenance["environment"]), json.dumps(environment())
-    return verification(
-        [*checks, *groups],
-        [left_out("summary", "rows of the columns that it sums up differ")],
-        remark="" if there == here else f"the run was made on {there} and played again on {here}",
-    )
+    for path, name in dict.fromkeys([*expected, *found]):
+        there, here = (each.get((path, name), "missing") for each in (found, expected))
+        if not name:
+            structure.say(path, found=there, expected=here)
+        elif (path, "") in found and (path, "") in expected:
+            free = name in ORIGIN and "missing" not in (there, here)
+            if not free and (path, here) != ("/summary", "missing"):  # where a figure is one of rows
+                one, other = (each.rpartition(", ")[0] or each for each in (there, here))
+                one, other = (there, here) if one == other else (one, other)  # types show where they alone differ
+                attributes.say(f"{path} {name}", found=one, expected=other)
 
 
 class _BeyondFile(Exception):  # noqa: N818  (the file is wrong, not the program)
@@ -241,7 +209,7 @@ class _Compared:
     def __init__(self, rows: Rows) -> None:
         self._rows = rows
         self.checks = {group: Check(group) for group in rows.columns}
-        self._written = dict.fromkeys(self.checks, 0)
+        self.written = dict.fromkeys(self.checks, 0)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Compare rows of a group (see Sink)."""
@@ -249,31 +217,41 @@ class _Compared:
         for name, values in columns.items():
             found = self._rows.column(group, name, first_row, min(end, total))
             self.checks[group].equal(f"/{group}/{name}", first_row, found, values[: found.size])
+        self.written[group] = end
         if end > total:
-            self._count(group, "more")
+            self.count(group, "more")
             raise _BeyondFile
-        self._written[group] = end
 
-    def _count(self, group: str, expected: object) -> None:
+    def count(self, group: str, expected: object) -> None:
+        """Compare the number of rows."""
         self.checks[group].say(f"/{group} rows", found=self._rows.rows(group), expected=expected)
 
-    def play(self, scenario: Scenario, run: Reader, seen: Measured) -> None:
-        """Compare the table of a life, and the run, played again up to the first row that its file does not have.
 
-        If an intervention ended lives, births come from the seed and these ends from the file.
-        """
-        model = scenario.model()
-        for group, columns in () if model.free else life_tables(model.pulse).items():
-            self.write(group, 0, columns)
-        ended = ended_of(run) if INTERVENTION in run.provenance and not model.is_two_way else None
-        try:
-            scenario.check_size()
-            with suppress(_BeyondFile):
-                simulate(model, scenario.run.seed, Tee((self, seen)), engine="batch", ended=ended)
-                for group, written in self._written.items():
-                    self._count(group, written)
-        except (RubnoiseError, ArithmeticError) as problem:
-            self._count("slider" if model.slider else "trace", str(problem).partition("\n")[0])
+def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verification:
+    """Return the verification with a check of each group, and of the summary if rows are right.
+
+    The run is played again, up to the first row that its file does not have. If an intervention ended lives, births
+    come from the seed and these ends from the file.
+    """
+    model = scenario.model()
+    compared, seen = _Compared(run), Measured(model)
+    for group, columns in () if model.free else life_tables(model.pulse).items():
+        compared.write(group, 0, columns)
+    ended = ended_of(run) if INTERVENTION in run.provenance and not model.is_two_way else None
+    try:
+        scenario.check_size()
+        with suppress(_BeyondFile):
+            simulate(model, scenario.run.seed, Tee((compared, seen)), engine="batch", ended=ended)
+            for group, written in compared.written.items():
+                compared.count(group, written)
+    except (RubnoiseError, ArithmeticError) as problem:
+        compared.count("slider" if model.slider else "trace", str(problem).partition("\n")[0])
+    checks, remark = [*checks, *compared.checks.values()], ""
+    if all(check.holds for check in compared.checks.values()):
+        return verification([*checks, _summary_check(seen, run.summary)])
+    if (there := str(run.provenance["environment"])) != (here := json.dumps(environment())):
+        remark = f"the run was made on {there} and played again on {here}"
+    return verification(checks, [left_out("summary", "rows of the columns that it sums up differ")], remark)
 
 
 def ended_of(rows: Rows) -> Ended:
@@ -302,13 +280,11 @@ def _summary_check(seen: Measured, stored: Mapping[str, object]) -> Check:
             allowed[name] = _allowed(figure, seen) if name == figure.name else EXACT * abs(value)
     for name in dict.fromkeys([*right, *stored]):
         found, expected = stored.get(name, "missing"), right.get(name, "no figure of this run")
-        same = isinstance(found, float) and isinstance(expected, float) and _near(found, expected, allowed[name])
-        check.say(f"/summary {name}", found=found, expected=found if same else expected)
+        if isinstance(found, float) and isinstance(expected, float):
+            near = abs(found - expected) <= allowed[name] or (isnan(found) and isnan(expected))
+            expected = found if near else expected
+        check.say(f"/summary {name}", found=found, expected=expected)
     return check
-
-
-def _near(found: float, expected: float, allowed: float) -> bool:
-    return found == expected or abs(found - expected) <= allowed or (isnan(found) and isnan(expected))
 
 
 def _allowed(figure: Row, measured: Measured) -> float:
@@ -318,3 +294,107 @@ def _allowed(figure: Row, measured: Measured) -> float:
         return MEASURED * max(abs(figure.value), 1.0) if seen.std > _CONSTANT * abs(seen.mean) else inf
     divisor = KEPT[figure.name].divisor(measured.model) if figure.name in KEPT else 1.0
     return MEASURED * (abs(figure.value) + (seen.std + 1e-3 * abs(seen.mean)) / divisor)
+
+
+def verify_sweep(
+    folder: str | os.PathLike[str],
+    *,
+    regenerate: bool = False,
+    watch: Callable[[int, int], None] = lambda _done, _all: None,
+) -> Verification:
+    """Return the verification of the folder of a sweep and of each of its runs.
+
+    ``watch`` is called with the number of runs checked and of all runs; ``regenerate`` is that of `verify`. Raises
+    RunFileRefused for a folder that is not that of a sweep, or that cannot be read.
+    """
+    root, figures, incomplete = Path(folder), dict[str, Figures](), Counter[tuple[str, str]]()
+    index, names, runs = checks = Check("index"), Check("names"), Check("runs")
+    try:
+        if not root.is_dir() or not ((root / INDEX).exists() or (root / RUNS).is_dir()):
+            raise RunFileRefused(f"{root}: is not a sweep folder: it has neither {INDEX} nor {RUNS}")
+        files = _seen(root / RUNS)
+        for number, path in enumerate(files):
+            watch(number, len(files))
+            place = f"{RUNS}/{path.name}"
+            if path.suffix not in SUFFIXES.values():
+                names.differ(f"{place} is no file of a run")
+                continue
+            try:
+                resolved, figures[path.stem], found = _verified(path, regenerate=regenerate)
+                name = name_in(resolved, path) or "no run of this version"
+            except RunFileRefused as refusal:
+                runs.differ(f"{place} {str(refusal).removeprefix(f'{path}: ')[:LONGEST]}")
+                continue
+            names.say(place, found=f"the result of {name}", expected=f"the result of {path.stem}")
+            runs.values += found.values
+            incomplete.update(found.left_out.items())
+            for check in found.different:
+                runs.differ(f"{place} {check.first}")
+        omitted = [*_left_out(root, incomplete), *_compare_index(index, root, figures)]
+        return verification(checks, omitted)
+    except OSError as problem:  # a folder in it may be closed to who asks, or be on a disk that fails
+        raise RunFileRefused(f"{problem.filename or root}: {(problem.strerror or str(problem)).lower()}") from problem
+
+
+def _verified(path: Path, *, regenerate: bool) -> tuple[Mapping[str, Any], Figures, Verification]:
+    """Return the scenario and the figures in the file of a run, and its verification.
+
+    A run that keeps its summary alone is made again, and every figure and curve is compared bit for bit.
+    """
+    if path.suffix == SUFFIXES["runs"]:
+        with open_run(path) as run:
+            return scenario_in(run), numbers_in(run.summary), verify(run, regenerate=regenerate)
+    (resolved, kept), check = read(path), Check("summary")
+    found, right = dict(kept or {}), dict[str, Any]()
+    if resolved:
+        right |= summarised(stored(resolved, f"{path}: the scenario in the file"), first="spectrum_place" in found)
+    for name in {**found, **right} if right else ():
+        one, other = (np.asarray(each.get(name, "missing")) for each in (found, right))
+        check.values += other.size
+        if one.dtype != other.dtype or one.shape != other.shape or one.tobytes() != other.tobytes():
+            here, there = (str(each.tolist())[:LONGEST] for each in (one, other))
+            check.differ(f"{name} is {here}, should be {there}")
+    return resolved, found, verification([check])
+
+
+def _seen(folder: Path) -> list[Path]:
+    """Return what is in a folder, but parts and what is hidden."""
+    there = sorted(folder.iterdir()) if folder.is_dir() else ()
+    return [path for path in there if not path.name.startswith(".") and not path.name.endswith(PART)]
+
+
+def _left_out(root: Path, incomplete: Counter[tuple[str, str]]) -> Iterator[Row]:
+    """Yield what is not compared: parts left out for runs, unfinished runs and other files."""
+    for (name, reason), count in sorted(incomplete.items()):
+        yield left_out(name, f"{count:,} runs: {reason}" if count > 1 else f"a run: {reason}")
+    for part in sorted((root / RUNS).glob(f"*{PART}")):
+        yield left_out(f"{RUNS}/{part.name}", "unfinished; the same sweep makes it")
+    others = (path.name for path in _seen(root) if path.name not in {INDEX, RUNS})
+    yield from (left_out(name, "it is no file of the sweep") for name in others)
+
+
+def _compare_index(check: Check, root: Path, kept: Mapping[str, Figures]) -> Iterator[Row]:
+    """Compare the runs and the figures in the index with those that the files have; yield what cannot be compared."""
+    try:
+        index = read_index(root / INDEX)
+    except RunFileRefused as refusal:
+        missing = "missing" if not (root / INDEX).exists() else str(refusal).removeprefix(f"{root / INDEX}: ")
+        check.say(INDEX, found=missing, expected="the index; the same sweep writes it again")
+        return
+    names, points, seeds, states = (index.runs[name].values.tolist() for name in ("run_id", "point", "seed", "state"))
+    if any(state != DONE and name in kept for name, state in zip(names, states, strict=True)):
+        yield left_out("index", "it is older than some runs; the same sweep renews it")
+    with refusing(root / INDEX):
+        scenarios = [index.scenario(point).resolved() for point in range(len(index.values))]
+    for name, point, seed in zip(names, points, seeds, strict=True):
+        place = f"{INDEX} /runs/point and /runs/seed of {name}: run"
+        check.say(place, found=name_of(scenarios[point], seed), expected=name)
+    files = any(index.runs["file"].values) or not kept
+    for name, figures in figures_in(index, "runs" if files else "summary"):
+        check.say(f"{INDEX} {RUNS}/{name}", found=DONE if name in kept else "missing", expected=DONE)
+        right = kept.get(name, figures)
+        for figure in {**figures, **right}:
+            found, expected = (str(np.asarray(each.get(figure, nan)).tolist()) for each in (figures, right))
+            check.say(f"{INDEX} /runs/{figure} of {name}", found=found, expected=expected)
+    if others := len(kept.keys() - set(names)):
+        yield left_out(f"{others:,} of {RUNS}", "the index lacks them")

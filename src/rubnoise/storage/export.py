@@ -1,6 +1,7 @@
 """Export of results as CSV, Parquet or netCDF: a group is a table, written chunk by chunk."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Final, Literal, TextIO
 
@@ -10,7 +11,7 @@ from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import chunks
 from rubnoise.storage.format import Unfailing
 from rubnoise.storage.layout import stored_groups
-from rubnoise.storage.output import PartFile, check_output, naming_file, whole_files
+from rubnoise.storage.output import PartFile, check_output, naming_file, part_file
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import CONVENTIONS, Dataset, Group, Scalar
 
@@ -25,17 +26,10 @@ TABLES: Final = ("junctions", "trace", "slider", "load", "landmarks")
 
 def origin(file: RunFile) -> dict[str, Scalar]:
     """Return what every export keeps beside the rows: the run that made them, and the scenario to make them again."""
-    attributes, provenance = file.attributes, file.provenance
-    return {
-        "Conventions": CONVENTIONS,
-        "title": attributes["title"],
-        "source": attributes["source"],
-        "history": f"{provenance['finished']} {provenance['command']}",
-        "junction_area_formula": attributes["junction_area_formula"],
-        "scenario_toml": provenance["scenario_toml"],
-        "scenario_resolved": provenance["scenario_resolved"],
-        "seed": provenance["seed"],
-    }
+    origin = file.provenance
+    found = {name: file.attributes[name] for name in ("title", "source", "junction_area_formula")}
+    found |= {name: origin[name] for name in ("scenario_toml", "scenario_resolved", "seed")}
+    return {"Conventions": CONVENTIONS, "history": f"{origin['finished']} {origin['command']}", **found}
 
 
 def heading(column: Dataset) -> str:
@@ -47,19 +41,13 @@ def heading(column: Dataset) -> str:
     return column.name if unit == "1" else f"{column.name}_{unit}"
 
 
-def _write_csv(part: PartFile, file: RunFile, groups: Sequence[Group], between: Callable[[], None]) -> None:
-    """Write one group as CSV, which has no place for its origin."""
-    with part.path.open("w", encoding="ascii", newline="") as stream:
-        _write_lines(stream, file, groups[0], between)
-
-
-def _write_lines(stream: TextIO, file: RunFile, group: Group, between: Callable[[], None]) -> None:
+def write_csv(stream: TextIO, file: RunFile, group: Group, between: Callable[[], None]) -> None:
+    """Write one group as CSV, which has no place for its origin, to a text stream, such as standard output."""
     row = ",".join(["%r"] * len(group.columns)) + "\n"
     stream.write(",".join(map(heading, group.columns)) + "\n")
     for chunk in chunks(file, group.name):
-        stream.write(
-            "".join(map(row.__mod__, zip(*(chunk[each.name].tolist() for each in group.columns), strict=True)))
-        )
+        values = zip(*(chunk[each.name].tolist() for each in group.columns), strict=True)
+        stream.write("".join(map(row.__mod__, values)))
         between()
 
 
@@ -86,12 +74,11 @@ def _write_netcdf(part: PartFile, file: RunFile, groups: Sequence[Group], betwee
         target.raise_first_error()
 
 
-def _write_parquet(part: PartFile, file: RunFile, groups: Sequence[Group], between: Callable[[], None]) -> None:
+def _write_parquet(part: PartFile, file: RunFile, group: Group, between: Callable[[], None]) -> None:
     """Write one group, a chunk to a row group; its origin goes into the metadata of the schema."""
     with needing("tables", "export --to parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
-    (group,) = groups
     fields = []
     for column in group.columns:
         about = {"units": column.units, "long_name": column.long_name, "symbol": column.symbol}
@@ -106,29 +93,25 @@ def _write_parquet(part: PartFile, file: RunFile, groups: Sequence[Group], betwe
             between()
 
 
-WRITERS: Final = {"csv": _write_csv, "parquet": _write_parquet, "netcdf": _write_netcdf}
-
-
-def plan(file: RunFile, kind: Kind, group: str | None = None, output: Path | None = None) -> dict[Path, Sequence[str]]:
+def plan(file: RunFile, kind: Kind, group: str | None, output: Path | None) -> dict[Path, Sequence[Group]]:
     """Return the files that an export writes, each with its groups, to ``output`` or into the current folder.
 
     Raises Refused for a group that the run does not have, and if ``output`` is given for several files.
     """
-    there = tuple(name for name in TABLES if name in file.columns)
+    there = {each.name: each for each in stored_groups(file.features) if each.name in TABLES}
     if group is not None and group not in there:
         raise Refused(f"{file.path}: the run has no {group}; it has {', '.join(there)}")
-    groups = there if group is None else (group,)
+    groups = [*there.values()] if group is None else [there[group]]
     stem, ending = file.path.stem, ENDINGS[kind]
     if kind == "netcdf":
-        name = f"{stem}{ending}" if group is None else f"{stem}_{group}{ending}"
-        return {output or Path(name): groups}
+        return {output or Path(f"{stem}{ending}" if group is None else f"{stem}_{group}{ending}"): groups}
     if output is not None and len(groups) > 1:
         raise Refused(f"{output}: one {kind} file holds one group; say which with --group {'|'.join(there)}")
-    return {output or Path(f"{stem}_{name}{ending}"): (name,) for name in groups}
+    return {output or Path(f"{stem}_{each.name}{ending}"): [each] for each in groups}
 
 
 def export(
-    file: RunFile, kind: Kind, files: Mapping[Path, Sequence[str]], *, force: bool, between: Callable[[], None]
+    file: RunFile, kind: Kind, files: Mapping[Path, Sequence[Group]], *, force: bool, between: Callable[[], None]
 ) -> None:
     """Write files from an open run; they get their names when all are complete. Memory does not grow with its length.
 
@@ -136,16 +119,19 @@ def export(
     for an output that exists already (unless ``force``) or is the run itself, and ExtraMissing; RubnoiseError if the
     disk fails.
     """
-    groups = {group.name: group for group in stored_groups(file.features)}
     for path in files:
         check_output(path, force=force, reads=[file.path])
-    with whole_files([*files], force=force) as parts:
-        for part, (path, names) in zip(parts, files.items(), strict=True):
-            with naming_file(path):
-                WRITERS[kind](part, file, [groups[name] for name in names], between)
-
-
-def print_csv(file: RunFile, group: str, stream: TextIO, *, between: Callable[[], None]) -> None:
-    """Write one group of an open run as CSV to a text stream, such as standard output."""
-    (about,) = (each for each in stored_groups(file.features) if each.name == group)
-    _write_lines(stream, file, about, between)
+    with ExitStack() as held:
+        parts = [held.enter_context(part_file(path, force=force)) for path in files]
+        for part, groups in zip(parts, files.values(), strict=True):
+            with naming_file(part.final):
+                if kind == "netcdf":
+                    _write_netcdf(part, file, groups, between)
+                elif kind == "parquet":
+                    _write_parquet(part, file, groups[0], between)
+                else:
+                    with part.path.open("w", encoding="ascii", newline="") as stream:
+                        write_csv(stream, file, groups[0], between)
+        for part in parts:
+            with naming_file(part.final):
+                part.finish()

@@ -3,7 +3,8 @@
 import os
 import resource
 import shutil
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import ceil, floor
@@ -30,11 +31,11 @@ ROOT = Path("/")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
-    """What one run needs, or several made one after the other.
+    """What one run needs.
 
-    result_bytes: of the results before compression, within some kilobytes each; disk_bytes: what has to be free for
-    them, with the rows that wait beside a part if it is compressed, or their number is not known; working_bytes:
-    memory beside the program's own, about; slider_rows_at_most: of /slider in a two-way run, None in others.
+    result_bytes: of the result before compression, within some kilobytes; disk_bytes: what has to be free for it, with
+    the rows that wait beside a part if it is compressed, or their number is not known; working_bytes: memory beside the
+    program's own, about; slider_rows_at_most: of /slider in a two-way run, None in others.
     """
 
     junctions: int
@@ -43,7 +44,6 @@ class Budget:
     disk_bytes: int
     working_bytes: int
     slider_rows_at_most: int | None = None
-    runs: int = 1
 
     @property
     def peak_bytes(self) -> int:
@@ -72,89 +72,7 @@ def expected(scenario: Scenario) -> Budget:
     """
     scenario.check_size()
     model = scenario.model()
-    rows = Extent(
-        junctions=round(expected_junction_rows(model)) if model.free is None else None,
-        ticks=model.tick_count + 1,
-        slider=model.slider_rows,
-        landmarks=None if model.is_two_way or model.free is not None else 0,
-        load=0 if model.held is None else model.tick_count + 1,
-    )
-    return _budget(scenario, rows)
-
-
-def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
-    """Return the budget of runs made one after the other, each with its number.
-
-    Results add up; memory, and the copy of a result during compression, are those of the largest run.
-    """
-    counts = tuple(runs)
-    results = sum(count * each.result_bytes for each, count in counts)
-    return Budget(
-        junctions=sum(count * each.junctions for each, count in counts),
-        ticks=sum(count * each.ticks for each, count in counts),
-        result_bytes=results,
-        disk_bytes=results + max((each.disk_bytes - each.result_bytes for each, _ in counts), default=0),
-        working_bytes=max((each.working_bytes for each, _ in counts), default=0),
-        runs=sum(count for _, count in counts),
-    )
-
-
-def check_disk_space(scenario: Scenario, budget: Budget, path: str | os.PathLike[str]) -> None:
-    """Refuse a run that needs more disk space or memory than this machine has, and name the keys to change.
-
-    Raises OutputRefused if the disk of ``path`` has less free than the result takes, else as `check_memory` does.
-    """
-    room, compressed = free_disk_bytes(path), scenario.output.compression == "gzip"
-    if budget.disk_bytes > room:
-        what, advice = "the result", _fewer_rows(scenario)
-        if budget.disk_bytes > budget.result_bytes:
-            what += " and its compressed copy" if compressed else " and the rows that grow beside it"
-        if budget.result_bytes <= room and compressed:
-            advice = 'output.compression = "none" takes no copy'
-        raise OutputRefused(
-            f"{path}: {what} may take {budget.disk_bytes:,} bytes, and {Path(path).absolute().parent} has room for"
-            f" {room:,}; {advice}"
-        )
-    check_memory(scenario, budget)
-
-
-def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> None:
-    """Refuse a run that needs more memory than this machine has; ``kept_bytes`` of its result stay in memory, too.
-
-    Raises Refused, with the keys to change named.
-    """
-    room, more = free_memory_bytes(), budget.more_bytes + kept_bytes
-    if room is None or more <= room:
-        return
-    remedy = "make interface.mean_junction_count smaller"
-    if budget.working_bytes <= kept_bytes:
-        remedy = _fewer_rows(scenario)
-    elif scenario.run.engine == "events":
-        saved = budget.working_bytes - working_bytes(scenario.model(), "batch")
-        remedy = 'run.engine = "batch" needs less' if saved >= more - room else remedy
-    raise Refused(f"the run needs about {_megabytes(more)} of memory more, and {_megabytes(room)} are left; {remedy}")
-
-
-def check_sweep_space(budget: Budget, folder: Path, *, jobs: int) -> None:
-    """Refuse the runs of a sweep if this machine has not the disk space or memory; name the keys to change.
-
-    ``budget`` is that of all runs together that are still to be made; the folder need not be there yet. Raises
-    OutputRefused and Refused.
-    """
-    there = next(place for place in (folder, *folder.absolute().parents) if place.is_dir())
-    room, memory = free_disk_bytes(there / "run.h5"), free_memory_bytes()
-    if budget.disk_bytes > room:
-        raise OutputRefused(
-            f"{folder}: the results of {budget.runs:,} runs may take {budget.disk_bytes:,} bytes, and"
-            f' there is room for {room:,}; sweep.keep = "summary" keeps kilobytes of each run, or make'
-            " sliding.distance shorter or sweep.replicates fewer"
-        )
-    each = PROGRAM_BYTES + budget.working_bytes
-    if memory is not None and jobs * each > memory:
-        raise Refused(
-            f"{jobs} runs at once need about {_megabytes(jobs * each)} of memory, and {_megabytes(memory)} are left;"
-            + (f" jobs={memory // each} fits" if memory >= each else " make interface.mean_junction_count smaller")
-        )
+    return _budget(scenario, extent(model, scenario.run.seed, round(expected_junction_rows(model))))
 
 
 def _budget(scenario: Scenario, rows: Extent) -> Budget:
@@ -200,18 +118,75 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
     return replace(rows, slider=moments, landmarks=ceil(4.0 * periods) + 16)
 
 
+def check_disk_space(scenario: Scenario, budget: Budget, path: str | os.PathLike[str]) -> None:
+    """Refuse a run that needs more disk space or memory than this machine has, and name the keys to change.
+
+    Raises OutputRefused if the disk of ``path`` has less free than the result takes, else as `check_memory` does.
+    """
+    room, needed, advice = free_disk_bytes(path), budget.disk_bytes, _fewer_rows(scenario)
+    if needed > room:
+        what = "the result" if needed == budget.result_bytes else "the result and the rows that wait beside it"
+        if budget.result_bytes <= room and scenario.output.compression == "gzip":
+            advice = 'output.compression = "none" lets none wait'
+        there = f"{Path(path).absolute().parent} has room for {room:,}"
+        raise OutputRefused(f"{path}: {what} may take {needed:,} bytes, and {there}; {advice}")
+    check_memory(scenario, budget)
+
+
+def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> None:
+    """Refuse a run that needs more memory than this machine has; ``kept_bytes`` of its result stay in memory, too.
+
+    Raises Refused, with the keys to change named.
+    """
+    room, more = free_memory_bytes(), budget.more_bytes + kept_bytes
+    if room is None or more <= room:
+        return
+    remedy = "make interface.mean_junction_count smaller"
+    if budget.working_bytes <= kept_bytes:
+        remedy = _fewer_rows(scenario)
+    elif more - room <= budget.working_bytes - working_bytes(scenario.model(), "batch"):
+        remedy = 'run.engine = "batch" needs less'
+    raise Refused(f"the run needs about {_megabytes(more)} of memory more, and {_megabytes(room)} are left; {remedy}")
+
+
+def check_sweep_space(runs: Sequence[Scenario], folder: Path, *, jobs: int, keep: str) -> None:
+    """Refuse the runs of a sweep that are still to be made if this machine has not the disk space or memory.
+
+    The folder need not be there yet. Names the keys to change; raises OutputRefused and Refused.
+    """
+    alike = Counter(scenario.model() for scenario in runs)
+    budgets = {scenario.model(): scenario for scenario in runs}
+    several = [(expected(scenario), alike[model]) for model, scenario in budgets.items()]
+    size = sum(count * each.result_bytes for each, count in several)
+    size += max(each.disk_bytes - each.result_bytes for each, _ in several)
+    there = next(place for place in (folder, *folder.absolute().parents) if place.is_dir())
+    if keep == "runs" and size > (room := free_disk_bytes(there / "run.h5")):
+        raise OutputRefused(
+            f"{folder}: the results of {len(runs):,} runs may take {size:,} bytes, and there is room for {room:,};"
+            ' sweep.keep = "summary" keeps kilobytes of each run, or make sliding.distance shorter or sweep.replicates'
+            " fewer"
+        )
+    each, jobs = PROGRAM_BYTES + max(budget.working_bytes for budget, _ in several), min(jobs, len(runs))
+    memory = free_memory_bytes()
+    if memory is not None and jobs * each > memory:
+        remedy = f"jobs={memory // each} fits" if memory >= each else "make interface.mean_junction_count smaller"
+        raise Refused(
+            f"{jobs} runs at once need about {_megabytes(jobs * each)} of memory, and {_megabytes(memory)} are left;"
+            f" {remedy}"
+        )
+
+
 def _fewer_rows(scenario: Scenario) -> str:
     model = scenario.model()
-    if model.tick * model.birth_rate < 1.0:
-        return "make sliding.distance shorter or output.tick longer"
-    return "make sliding.distance shorter or interface.mean_junction_count smaller"
+    other = "output.tick longer" if model.tick * model.birth_rate < 1.0 else "interface.mean_junction_count smaller"
+    return f"make sliding.distance shorter or {other}"
 
 
 def _megabytes(count: int) -> str:
     return f"{count / 1e6:,.0f} MB"
 
 
-BLOCK_BYTES = 512
+BLOCK_BYTES: Final = 512
 
 
 def free_disk_bytes(path: str | os.PathLike[str]) -> int:
@@ -242,8 +217,7 @@ def free_memory_bytes() -> int | None:
     left = [limit - held for limit in _group_limits()]
     if (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
         left.append(limit - address_space)
-    _, _, available = _text("proc/meminfo").partition("MemAvailable:")
-    if available:
+    if available := _text("proc/meminfo").partition("MemAvailable:")[2]:
         left.append(int(available.split(maxsplit=1)[0]) * 1024)
     elif "SC_PHYS_PAGES" in os.sysconf_names:
         left.append(os.sysconf("SC_PHYS_PAGES") * PAGESIZE)

@@ -19,18 +19,8 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.regular_file import read_into, write_all
-from rubnoise.storage.layout import Name, RunDescription, grows, package_version, row_count, stored_groups
-from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA
-from rubnoise.storage.schema import (
-    CHUNK_ROWS,
-    CONVENTIONS,
-    FORMAT,
-    FORMAT_VERSION,
-    HASH,
-    HASH_DIGITS,
-    Group,
-    Scalar,
-)
+from rubnoise.storage.layout import Name, RunDescription, root_attributes, row_count, stored_groups
+from rubnoise.storage.schema import CHUNK_ROWS, HASH, HASH_DIGITS, Group, Scalar
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer, WriteableBuffer
@@ -115,8 +105,9 @@ def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
         put_attribute(file.id, name, value)
     places: dict[Name, int] = {}
     for group in stored_groups(about.features):
-        if about.compression == "none" and not grows(group, about.extent):
-            places |= add_group(file, group, row_count(group, about.extent), "none")
+        rows = row_count(group, about.extent)
+        if about.compression == "none" and rows is not None:
+            places |= add_group(file, group, rows, "none")
     put_attribute(_create_group(file, "summary", notes=True), "NX_class", "NXcollection")
     provenance = _create_group(file, "provenance", notes=True)
     begun = {**about.provenance, "finished": "", HASH: "0" * HASH_DIGITS}
@@ -184,20 +175,6 @@ def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenanc
 def text_bytes(text: str) -> bytes:
     """Return a text as it is stored: invalid characters (lone surrogates) become escapes."""
     return text.encode("utf-8", "backslashreplace")
-
-
-def root_attributes(about: RunDescription) -> dict[str, Scalar]:
-    """Return the attributes of the root of a file."""
-    return {
-        "Conventions": CONVENTIONS,
-        "format": FORMAT,
-        "format_version": FORMAT_VERSION,
-        "title": about.title,
-        "source": f"rubnoise {package_version('rubnoise')}",
-        "junction_area_formula": (
-            TOUCH_AREA_FORMULA if "free" in about.features else JUNCTION_AREA_FORMULAS[about.pulse.name]
-        ),
-    }
 
 
 def _create_group(file: h5py.File, name: str, *, notes: bool = False) -> h5py.h5g.GroupID:

@@ -1,6 +1,7 @@
 """The index of a sweep as an HDF5 file: a row for each point and for each run, and curves kept in place of files.
 
-It is made whole and read whole. One that is not as it was written is refused, since the same sweep makes it again.
+It is made whole and read whole. Behind what HDF5 reads lie the bytes of its xxh3_128: one that is not as it was written
+is refused, since the same sweep makes it again.
 """
 
 import json
@@ -21,22 +22,11 @@ from rubnoise.scenario.reading import stored
 from rubnoise.storage.format import LIBRARY_VERSIONS, put_attribute, text_bytes
 from rubnoise.storage.objects import naming_damage, own_dataset, read_attribute, sound_group
 from rubnoise.storage.reader import SIGNATURE, refusing
-from rubnoise.storage.schema import CONVENTIONS, HASH, INDEX_FORMAT, Dataset
+from rubnoise.storage.schema import CONVENTIONS, INDEX_FORMAT, Dataset, Scalar
 
 FORMAT_VERSION: Final = 1
-RUNS: Final = "runs"
-SUMMARIES: Final = "summaries"
-POINTS: Final = "points"
-TEXTS: Final = (
-    "title",
-    "source",
-    "written",
-    "command",
-    "scenario_toml",
-    "scenario_resolved",
-    "grid",
-    "side_by_side",
-)
+GROUPS: Final = ("points", "runs", "summaries")
+TEXTS: Final = ("title", "source", "written", "command", "scenario_toml", "scenario_resolved", "grid", "side_by_side")
 """The attributes of an index that are not the same in all of them."""
 
 REMEDY: Final = "the same `rubnoise sweep` writes it again"
@@ -91,101 +81,27 @@ def index_bytes(index: Index) -> bytes:
     HDF5 makes it in memory, since it ends the process instead of raising if a disk is full.
     """
     with h5py.File("index", "w", driver="core", backing_store=False, libver=LIBRARY_VERSIONS) as file:
-        about = {"Conventions": CONVENTIONS, "format": INDEX_FORMAT, **index.texts, "NX_class": "NXroot"}
-        for name, text in about.items():
-            put_attribute(file.id, name, text)
-        file.attrs.create("format_version", FORMAT_VERSION, dtype="<i8")
+        about: dict[str, Scalar] = {"format_version": FORMAT_VERSION, "format": INDEX_FORMAT}
+        for name, value in (about | {"Conventions": CONVENTIONS, "NX_class": "NXroot"} | {**index.texts}).items():
+            put_attribute(file.id, name, value)
         scales: dict[int, h5py.Dataset] = {}
-        for group, filled in ((POINTS, index.points), (RUNS, index.runs)):
+        for group, filled in zip(GROUPS, (index.points, index.runs), strict=False):
             owner = file.create_group(group, track_order=True)
             scale, *others = [_put_column(owner, each) for each in filled.values()]
             scale.make_scale(scale.name.rpartition("/")[2])
             for dataset in others:
                 dataset.dims[0].attach_scale(scale)
             scales[scale.size] = scale
+        summaries = file.create_group(GROUPS[-1])
         for name, values in index.summaries.items():
-            dataset = file.require_group(SUMMARIES).create_dataset(name, data=values)
-            dataset.dims[0].attach_scale(scales[len(values)])
-        put_attribute(file.id, HASH, _seal(file))
+            summaries.create_dataset(name, data=values).dims[0].attach_scale(scales[len(values)])
         file.flush()
-        return file.id.get_file_image()
+        return sealed(file.id.get_file_image())
 
 
-def read_index(path: str | os.PathLike[str]) -> Index:
-    """Read the index of a sweep, which may come from elsewhere.
-
-    Raises RunFileRefused, with the reason in one sentence, for a missing path, and for a file that is not an
-    index, is not as it was written, or has a later format.
-    """
-    with refusing(path), open_stream(path) as stream:
-        if stream.read(len(SIGNATURE)) != SIGNATURE:
-            raise RunFileRefused(f"is not an HDF5 file; {REMEDY}")
-        with naming_damage(), h5py.File(stream, "r") as file:
-            return _read(file)
-
-
-def _read(file: h5py.File) -> Index:
-    found = read_attribute(file, "format", str) if "format" in file.attrs else ""
-    if found != INDEX_FORMAT:
-        known = "the result of one run, not the index of a sweep" if found else "an HDF5 file, but no index of a sweep"
-        raise RunFileRefused(f"is {known}")
-    if (version := read_attribute(file, "format_version", int)) != FORMAT_VERSION:
-        remedy = "install a newer rubnoise" if version > FORMAT_VERSION else REMEDY
-        raise RunFileRefused(f"has format version {version}, and this rubnoise reads {FORMAT_VERSION}; {remedy}")
-    if not h5py.h5a.exists(file.id, HASH.encode()) or read_attribute(file, HASH, str) != _seal(file):
-        raise RunFileRefused(f"damaged: is not as it was written; {REMEDY}")
-    columns = _columns(file)
-    return Index(
-        texts={name: read_attribute(file, name, str) for name in TEXTS},
-        points={name: _filled(name, dataset) for name, dataset in columns[POINTS].items()},
-        runs={name: _filled(name, dataset) for name, dataset in columns[RUNS].items()},
-        summaries={name: dataset[()] for name, dataset in columns[SUMMARIES].items()},
-    )
-
-
-def _seal(file: h5py.File) -> str:
-    """Return the xxh3_128 of a JSON text: an index's texts, and hash, type and units of its columns, sorted by name."""
-    hashes = {
-        dataset.name: [
-            xxhash.xxh3_128_hexdigest(np.ascontiguousarray(dataset[()]).data),
-            dataset.dtype.str,
-            *(read_attribute(dataset, each, str) for each in ("units", "long_name") if each in dataset.attrs),
-        ]
-        for columns in _columns(file).values()
-        for dataset in columns.values()
-    }
-    text = json.dumps(
-        [{name: read_attribute(file, name, str) for name in TEXTS}, hashes], sort_keys=True, separators=(",", ":")
-    )
-    return xxhash.xxh3_128_hexdigest(text.encode())
-
-
-def _columns(file: h5py.File) -> dict[str, dict[str, h5py.Dataset]]:
-    """Return the columns of each group, in order; raises RunFileRefused for what no index has."""
-    owners = [sound_group(file, name) for name in (POINTS, RUNS)]
-    found = {owner.name[1:]: {name: _sound(owner, name) for name in owner} for owner in owners}
-    summaries = sound_group(file, SUMMARIES) if SUMMARIES in file else {}
-    return found | {SUMMARIES: {name: _sound(summaries, name) for name in summaries}}
-
-
-def _sound(owner: h5py.Group, name: str) -> h5py.Dataset:
-    """Return a dataset whose rows all lie in the file itself."""
-    dataset, creation = own_dataset(owner, name)
-    if creation.get_layout() != h5py.h5d.CONTIGUOUS or not dataset.ndim or dataset.dtype.kind not in "fiS":
-        raise RunFileRefused(f"{owner.name}/{name} is not stored as our files store it")
-    if dataset.size and not dataset.id.get_storage_size() == dataset.nbytes <= owner.file.id.get_filesize():
-        raise RunFileRefused(f"{owner.name}/{name} has rows that are not in the file")
-    return dataset
-
-
-def _filled(name: str, dataset: h5py.Dataset) -> Filled:
-    units, meaning = (
-        read_attribute(dataset, each, str) if each in dataset.attrs else "" for each in ("units", "long_name")
-    )
-    values = dataset[()]
-    if values.dtype.kind == "S":
-        values = np.char.decode(values, "utf-8", "replace") if values.size else np.empty(values.shape, dtype=np.str_)
-    return Filled(about=Dataset(name, units, "", meaning, dtype=values.dtype.str), values=values)
+def sealed(content: bytes) -> bytes:
+    """Return bytes and, behind them, their xxh3_128."""
+    return content + xxhash.xxh3_128_digest(content)
 
 
 def _put_column(owner: h5py.Group, column: Filled) -> h5py.Dataset:
@@ -199,3 +115,54 @@ def _put_column(owner: h5py.Group, column: Filled) -> h5py.Dataset:
         if text:
             put_attribute(dataset.id, name, text)
     return dataset
+
+
+def read_index(path: str | os.PathLike[str]) -> Index:
+    """Read the index of a sweep, which may come from elsewhere.
+
+    Raises RunFileRefused, with the reason in one sentence, for a missing path, and for a file that is not an
+    index, is not as it was written, or has a later format.
+    """
+    with refusing(path), open_stream(path) as stream:
+        content = stream.read()
+        if not content.startswith(SIGNATURE):
+            raise RunFileRefused(f"is not an HDF5 file; {REMEDY}")
+        with naming_damage(), h5py.File(stream, "r") as file:
+            _check_format(file)
+            if sealed(content[:-16]) != content:
+                raise RunFileRefused(f"damaged: is not as it was written; {REMEDY}")
+            points, runs, summaries = (_columns(file, name) for name in GROUPS)
+            return Index(
+                texts={name: read_attribute(file, name, str) for name in TEXTS},
+                points=points,
+                runs=runs,
+                summaries={name: column.values for name, column in summaries.items()},
+            )
+
+
+def _check_format(file: h5py.File) -> None:
+    found = read_attribute(file, "format", str) if "format" in file.attrs else ""
+    if found != INDEX_FORMAT:
+        known = "the result of one run, not the index of a sweep" if found else "an HDF5 file, but no index of a sweep"
+        raise RunFileRefused(f"is {known}")
+    if (version := read_attribute(file, "format_version", int)) != FORMAT_VERSION:
+        remedy = "install a newer rubnoise" if version > FORMAT_VERSION else REMEDY
+        raise RunFileRefused(f"has format version {version}, and this rubnoise reads {FORMAT_VERSION}; {remedy}")
+
+
+def _columns(file: h5py.File, group: str) -> dict[str, Filled]:
+    """Return the columns of a group, in order; raises RunFileRefused for what no index has."""
+    owner, found = sound_group(file, group), {}
+    for name in owner:
+        dataset, creation = own_dataset(owner, name)
+        if creation.get_layout() != h5py.h5d.CONTIGUOUS or not dataset.ndim or dataset.dtype.kind not in "fiS":
+            raise RunFileRefused(f"{dataset.name} is not stored as our files store it")
+        if dataset.size and not dataset.id.get_storage_size() == dataset.nbytes <= file.id.get_filesize():
+            raise RunFileRefused(f"{dataset.name} has rows that are not in the file")
+        values: NDArray[Any] = dataset[()]
+        if values.dtype.kind == "S":
+            values = np.char.decode(values, "utf-8", "replace") if values.size else np.empty(values.shape, np.str_)
+        said = {each: read_attribute(dataset, each, str) for each in ("units", "long_name") if each in dataset.attrs}
+        about = Dataset(name, said.get("units", ""), "", said.get("long_name", ""), dtype=values.dtype.str)
+        found[name] = Filled(about=about, values=values)
+    return found

@@ -1,8 +1,10 @@
 """Objects of an HDF5 file from elsewhere: each is found by name, over hard links alone, and checked before it is read.
 
-So a file leads to no other file, and nothing in it is counted or read that no file of ours has so much of.
+So a file leads to no other file, and nothing in it is counted or read that no file of ours has so much of. At the end
+what a file holds beside its rows, in words by place, and what that of a correct run would hold.
 """
 
+import json
 import os
 import zlib
 from collections.abc import Iterator, Mapping
@@ -10,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
+from tempfile import TemporaryFile
 from types import UnionType
 from typing import Any, Final
 
@@ -18,7 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.schema import CHUNK_ROWS, Dataset, Scalar
+from rubnoise.storage.format import add_group, compose, hdf5_on
+from rubnoise.storage.layout import RunDescription, row_count, stored_groups
+from rubnoise.storage.schema import CHUNK_ROWS, HASH, Dataset, Scalar
 
 REMEDY: Final = "copy it again, or run its scenario again"
 
@@ -34,11 +39,15 @@ DEFLATE_RATIO = 1032
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ColumnPlace:
-    """Where the rows of a column lie in their file; the offset is 0 without rows, and for compressed chunks."""
+    """Where the rows of a column lie in their file, and their hash.
+
+    The offset is 0 without rows, and for compressed chunks.
+    """
 
     offset: int
     rows: int
     dtype: str
+    digest: str
 
 
 def opened_by_hdf5(path: str | os.PathLike[str], descriptor: int) -> h5py.File:
@@ -102,8 +111,8 @@ def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.Pr
     return dataset, creation
 
 
-def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h5py.Dataset, ColumnPlace]:
-    """Return the dataset of a column and the place of its rows, if type, shape and storage are those of the schema.
+def sound_column(owner: h5py.Group, column: Dataset, file_size: int) -> ColumnPlace:
+    """Return the place of the rows of a column, if type, shape and storage of its dataset are those of the schema.
 
     Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
     shuffle and deflate, more rows than the file's bytes can hold.
@@ -111,14 +120,14 @@ def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h
     path, (dataset, creation) = f"{owner.name}/{column.name}", own_dataset(owner, column.name)
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
+    offset = dataset.id.get_offset() or 0
     if creation.get_layout() == h5py.h5d.CONTIGUOUS:
-        offset = dataset.id.get_offset() or 0
         whole = not dataset.size or dataset.id.get_storage_size() == dataset.nbytes <= file_size - offset
     else:
-        offset, whole = 0, _is_packed_whole(dataset, creation, file_size)
+        whole = _is_packed_whole(dataset, creation, file_size)
     if not whole:
         raise RunFileRefused(f"{path} is not stored as our files store it")
-    return dataset, ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype)
+    return ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype, digest=stored_hash(dataset))
 
 
 def _is_packed_whole(dataset: h5py.Dataset, creation: h5py.h5p.PropDCID, file_size: int) -> bool:
@@ -158,6 +167,11 @@ def rows_of_chunks(dataset: h5py.Dataset, first: int, last: int) -> NDArray[Any]
     return values
 
 
+def stored_hash(owner: h5py.HLObject) -> str:
+    """Return a stored hash, which is part of no other attributes; empty if there is none."""
+    return str(read_attribute(owner, HASH, str)) if HASH in owner.attrs else ""
+
+
 def read_attributes(owner: h5py.HLObject, kinds: Mapping[str, type | UnionType]) -> dict[str, Scalar]:
     """Return attributes by name, each of the kind that is given; raises as `read_attribute` does."""
     return {name: read_attribute(owner, name, kind) for name, kind in kinds.items()}
@@ -183,3 +197,100 @@ def read_attribute(owner: h5py.HLObject, name: str, wanted: type | UnionType = S
     if not isinstance(found, wanted):
         raise RunFileRefused(f"{place} is not {_WORDS.get(wanted, 'a number')}")
     return found
+
+
+# Everything in a file.
+MOST_ENTRIES: Final = 20_000
+"""More groups, columns and attributes together are in no file of ours."""
+
+DEEPEST: Final = 4
+"""Groups that lie deeper below the root than this are in no file of ours."""
+
+Inventory = dict[tuple[str, str], str]
+"""What there is, by the path of an object and an empty text, or the name of its attribute."""
+
+OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
+"""Attributes that HDF5 writes itself, in types of its own choice: which scale a dataset has."""
+
+
+def expected_inventory(about: RunDescription) -> Inventory:
+    """Return what the file of a run must hold beside its rows, made in a file without rows or name."""
+    with TemporaryFile(buffering=0) as room, hdf5_on(room.fileno(), "w") as file:
+        compose(file, about)
+        for group in stored_groups(about.features):
+            if group.name not in file:
+                add_group(file, group, row_count(group, about.extent) or 0, about.compression)
+        return inventory_of(file)
+
+
+def inventory_of(file: h5py.File) -> Inventory:
+    """Return everything that a file holds; of objects that are neither groups nor datasets of the file, only the names.
+
+    Raises RunFileRefused for more than any of our files has.
+    """
+    found = Inventory()
+    for path, name, words in _of_object("", file["/"]):
+        found[path or "/", name] = words
+        if len(found) > MOST_ENTRIES:
+            raise RunFileRefused(f"holds more than {MOST_ENTRIES} groups, columns and attributes")
+    return found
+
+
+def _of_object(path: str, owner: h5py.HLObject | None) -> Iterator[tuple[str, str, str]]:
+    """Yield an object, its attributes, and what it holds; None is an object that no hard link leads to."""
+    if isinstance(owner, h5py.Dataset):
+        words, scales = _dataset(owner)
+        yield path, "", words
+        yield path, "scale", f"{json.dumps(scales)}, path"
+    else:
+        yield path, "", "group" if isinstance(owner, h5py.Group) else "link" if owner is None else "type"
+    if isinstance(owner, h5py.Dataset | h5py.Group):
+        yield from ((path, name, words) for name, words in _attributes(owner))
+    if isinstance(owner, h5py.Group) and path.count("/") < DEEPEST:
+        if owner.id.get_num_objs() > MOST_ENTRIES:
+            raise RunFileRefused(f"{path} holds {owner.id.get_num_objs()} objects")
+        for name in owner:
+            hard = isinstance(owner.get(name, getlink=True), h5py.HardLink)
+            yield from _of_object(f"{path}/{_readable(name)}", owner[name] if hard else None)
+
+
+def _dataset(dataset: h5py.Dataset) -> tuple[str, list[str]]:
+    """Return a dataset in words, and the datasets that it lies along."""
+    creation = dataset.id.get_create_plist()
+    layout, storage = creation.get_layout(), "elsewhere"
+    if layout == h5py.h5d.CONTIGUOUS and not creation.get_external_count():
+        storage = "in one piece"
+    elif layout == h5py.h5d.CHUNKED:
+        filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
+        storage = f"in chunks of {creation.get_chunk()[0]} through filters {filters}"
+    # HDF5 would look into other files for the shape of a virtual dataset.
+    shape = [] if layout == h5py.h5d.VIRTUAL else list(dataset.shape or ())
+    scales = [scale.name for scale in dataset.dims[0].values()] if storage != "elsewhere" and len(shape) == 1 else []
+    return f"dataset, {_type(dataset.dtype)}, {shape}, {storage}", scales
+
+
+def _attributes(owner: h5py.HLObject) -> Iterator[tuple[str, str]]:
+    """Yield names and values, None for a long one, with their types."""
+    if (count := h5py.h5a.get_num_attrs(owner.id)) > MOST_ATTRIBUTES:
+        raise RunFileRefused(f"{owner.name} has {count} attributes")
+    for name in owner.attrs:
+        attribute, value = owner.attrs.get_id(name), None
+        plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.dtype.kind in "Siuf"
+        if plain and attribute.shape is not None:
+            raw = np.asarray(owner.attrs[name])
+            value = (np.char.decode(raw, "utf-8", "backslashreplace") if raw.dtype.kind == "S" else raw).tolist()
+        kind = "any" if name in OF_HDF5 else _type(attribute.dtype)
+        yield _readable(name), f"{json.dumps(value)}, {kind}"
+
+
+def _type(kind: np.dtype[Any]) -> str:
+    """Return the type of values as text; the texts are equal if the types are."""
+    text = h5py.check_string_dtype(kind)
+    if text is None:
+        return kind.str
+    return f"{text.encoding} text of {'any length' if text.length is None else f'{text.length} bytes'}"
+
+
+def _readable(name: str) -> str:
+    """Return a name with bytes that are no text as escapes."""
+    return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")

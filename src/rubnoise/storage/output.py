@@ -8,8 +8,8 @@ import errno
 import os
 import stat
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -37,14 +37,6 @@ class OutputInUse(OutputRefused):
     """Another process is writing the output."""
 
 
-class OutputAppearedError(RubnoiseError):
-    """Another process created the output file during the run."""
-
-
-class OutputSwappedError(RubnoiseError):
-    """Another process has replaced the part file during the run."""
-
-
 def part_of(path: str | os.PathLike[str]) -> Path:
     """Return the path of the part of a result; raises OutputRefused for the name of a folder."""
     if os.fspath(path).endswith("/"):
@@ -66,9 +58,8 @@ def check_output(path: str | os.PathLike[str], *, force: bool, reads: Iterable[s
             raise OutputRefused(f"{final.parent}: no such folder")
         # Before the folder's rights: a message that /dev is not writable does not help when the output is /dev/null.
         for name in (final, part):
-            about = _status(name)
             # Nor may it be a link: renaming over it would leave its target unchanged.
-            if about and not stat.S_ISREG(about.st_mode):
+            if (about := _status(name)) and not stat.S_ISREG(about.st_mode):
                 raise OutputRefused(f"{name}: exists and is not a regular file")
         if not os.access(final.parent, os.W_OK | os.X_OK):
             raise OutputRefused(f"{final.parent}: the folder is not writable")
@@ -90,10 +81,10 @@ def _status(path: Path) -> os.stat_result | None:
     return None
 
 
-def _is(path: Path, file: os.stat_result) -> bool:
-    """Whether a path leads to a certain file."""
+def _leads_to(path: Path, descriptor: int) -> bool:
+    """Whether a path leads to an open file."""
     about = _status(path)
-    return about is not None and os.path.samestat(about, file)
+    return about is not None and os.path.samestat(about, os.fstat(descriptor))
 
 
 @dataclass(slots=True, kw_only=True)
@@ -104,6 +95,7 @@ class PartFile:
     path: Path
     descriptor: int
     force: bool
+    stays: bool = False
 
     def reserve(self, size: int, descriptor: int | None = None) -> None:
         """Take the disk space of a whole file now, or of another open one that belongs to it.
@@ -125,24 +117,23 @@ class PartFile:
             _note("this file system reserves no space: a disk that is too small shows only when it is full")
 
     def finish(self) -> None:
-        """Close the complete file and give it its final name; it is on disk then (fsync).
+        """Give the complete file its final name; it is on disk then (fsync).
 
-        If another file has the name of the part by now, it stays and is not published (OutputSwappedError). Without
-        ``force`` a file that appeared under the final name stays, too (OutputAppearedError), beside the part.
+        Raises RubnoiseError if another file has the name of the part by now, which stays, and, without ``force``, if
+        one has the final name, beside which the part stays.
         """
         os.fsync(self.descriptor)
-        if not _is(self.path, os.fstat(self.descriptor)):
-            raise OutputSwappedError(
+        if not _leads_to(self.path, self.descriptor):
+            raise RubnoiseError(
                 f"{self.path}: another file has taken its place during the run; it is left as it is, and {self.final}"
                 " is not written"
             )
         if not self.force and _status(self.final):
-            self._let_go()
-            raise OutputAppearedError(
+            self.stays = True
+            raise RubnoiseError(
                 f"{self.final} appeared during the run and is left as it is; the whole result is {self.path}"
             )
         self.path.replace(self.final)
-        self._let_go()
         with suppress(PermissionError):  # of a folder that may be written, and not read
             folder = os.open(self.final.parent, os.O_RDONLY)
             try:
@@ -150,17 +141,11 @@ class PartFile:
             finally:
                 os.close(folder)
 
-    def close(self) -> None:
-        """Close the file, and remove it if it still has the name of the part."""
+    def remove(self) -> None:
+        """Remove the file if it still has the name of the part."""
         with suppress(OSError):  # of a folder that is gone, say: the file is no result either way
-            if self.descriptor >= 0 and _is(self.path, os.fstat(self.descriptor)):
+            if not self.stays and _leads_to(self.path, self.descriptor):
                 self.path.unlink(missing_ok=True)
-        self._let_go()
-
-    def _let_go(self) -> None:
-        if self.descriptor >= 0:
-            os.close(self.descriptor)
-            self.descriptor = -1
 
 
 @contextmanager
@@ -172,21 +157,19 @@ def part_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[PartFile
     """
     final, name = check_output(path, force=force), part_of(path)
     try:
-        part = PartFile(final=final, path=name, descriptor=_locked(name), force=force)
+        descriptor = _locked(name)
     except BlockingIOError as problem:
         raise OutputInUse(f"{final}: another process is writing it") from problem
     except OSError as problem:
         raise OutputRefused(f"{final}: cannot be written: {reason_of(problem)}") from problem
+    part = PartFile(final=final, path=name, descriptor=descriptor, force=force)
     try:
         check_output(path, force=force)  # another process may have just written it
-        os.ftruncate(part.descriptor, 0)
+        os.ftruncate(descriptor, 0)
         yield part
-    except OutputAppearedError:
-        raise
-    except BaseException:
-        part.close()
-        raise
-    part.close()
+    finally:
+        part.remove()
+        os.close(descriptor)
 
 
 def _locked(part: Path) -> int:
@@ -198,7 +181,7 @@ def _locked(part: Path) -> int:
         descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         try:
             _wait_for_lock(descriptor)
-            if _is(part, os.fstat(descriptor)):
+            if _leads_to(part, descriptor):
                 return descriptor
         except BaseException:
             os.close(descriptor)
@@ -236,25 +219,9 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     Raises OutputRefused, before anything is created, if nothing may or can be written, RubnoiseError if the disk
     fails. If the block raises, the file is removed.
     """
-    with whole_files([path], force=force) as (part,), naming_file(path):
+    with part_file(path, force=force) as part, naming_file(path):
         yield part.path
-
-
-@contextmanager
-def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iterator[list[PartFile]]:
-    """Yield parts as `part_file` does; when all are on disk they get their names, all or none of them.
-
-    The caller names the file in an error of the disk (see `naming_file`).
-    """
-    with ExitStack() as held:
-        parts = [held.enter_context(part_file(path, force=force)) for path in paths]
-        yield parts
-        for part in parts:
-            with naming_file(part.final):
-                os.fsync(part.descriptor)
-        for part in parts:
-            with naming_file(part.final):
-                part.finish()
+        part.finish()
 
 
 @contextmanager

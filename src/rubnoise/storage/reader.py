@@ -7,7 +7,7 @@ another file takes the name meanwhile, an open run shows the rows of the old one
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from mmap import ACCESS_COPY, ALLOCATIONGRANULARITY, mmap
 from pathlib import Path
 from typing import Any, Final, Self
@@ -22,13 +22,15 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import column_chunks
 from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
 from rubnoise.storage import objects, schema
-from rubnoise.storage.inventory import Inventory, inventory_of
-from rubnoise.storage.layout import Name, stored_groups
+from rubnoise.storage.layout import stored_groups
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
 READ_BYTES: Final = 64 * 1024**2
 """Longer columns are mapped: the system then reads the rows that are used."""
+
+UNREADABLE: Final = "unreadable"
+CHANGED: Final = "not what its hash was taken of"
 
 Watch = Callable[[str, int, int], None]
 """Called at each read with the path of the column, the row up to which is read, and how many rows there are."""
@@ -64,17 +66,16 @@ class RunFile:
         if not self.provenance["finished"]:
             raise RunFileRefused("is a part of a run that did not end; the same command makes the run again")
         self.attributes, self.summary = objects.read_attributes(file, schema.ROOT), read_summary(file)
-        self.seal = _hash_in(file["provenance"])
+        self.seal = objects.stored_hash(file["provenance"])
         self.features = _features(file)
         self._columns: dict[str, dict[str, objects.ColumnPlace]] = {}
-        self._digests: dict[Name, str] = {}
         size = os.fstat(descriptor).st_size
         for group in stored_groups(self.features):
-            owner, self._columns[group.name] = objects.sound_group(file, group.name), {}
+            owner, columns = objects.sound_group(file, group.name), dict[str, objects.ColumnPlace]()
+            self._columns[group.name] = columns
             for column in group.columns:
-                dataset, self._columns[group.name][column.name] = objects.sound_dataset(owner, column, size)
-                self._digests[group.name, column.name] = _hash_in(dataset)
-                if self._columns[group.name][column.name].rows != self.rows(group.name):
+                columns[column.name] = objects.sound_column(owner, column, size)
+                if columns[column.name].rows != self.rows(group.name):
                     raise RunFileRefused(f"/{group.name}/{column.name} has another number of rows than its group")
         self._close = finalize(self, os.close, descriptor)
 
@@ -137,23 +138,25 @@ class RunFile:
                 return values
         raise RunFileRefused(f"cut short; {objects.REMEDY}")
 
-    def damaged(self) -> tuple[str, ...]:
-        """Return the columns that cannot be read or differ from their stored hash; reads the whole file."""
-        return tuple("/" + "/".join(name) for name in self._digests if not self._is_intact(name))
+    def damaged(self) -> dict[str, str]:
+        """Return what is wrong with columns by their paths: UNREADABLE, or CHANGED; reads the whole file."""
+        found = {}
+        for group, names in self._columns.items():
+            for name, place in names.items():
+                digest = xxhash.xxh3_128()
+                try:
+                    for values in column_chunks(self, group, name):
+                        digest.update(values.data)
+                except RunFileRefused:
+                    found[f"/{group}/{name}"] = UNREADABLE
+                else:
+                    found |= {} if digest.hexdigest() == place.digest else {f"/{group}/{name}": CHANGED}
+        return found
 
-    def inventory(self) -> Inventory:
+    def inventory(self) -> objects.Inventory:
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
         with self._reading(), objects.naming_damage():
-            return inventory_of(self._file)
-
-    def _is_intact(self, name: Name) -> bool:
-        digest = xxhash.xxh3_128()
-        try:
-            for values in column_chunks(self, *name):
-                digest.update(values.data)
-            return digest.hexdigest() == self._digests[name]
-        except RunFileRefused:
-            return False
+            return objects.inventory_of(self._file)
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
@@ -170,21 +173,21 @@ def open_run(path: str | os.PathLike[str]) -> RunFile:
     Raises RunFileRefused, with the reason in one sentence, for a path that is missing or not a regular file, a file
     that is not HDF5, not a run, unfinished, cut short or damaged; TooNew for a later format.
     """
-    with refusing(path):
+    with refusing(path), ExitStack() as opening:
         descriptor = open_regular(path)
-        try:
-            _check_signature(descriptor, path)
-            _share(descriptor)
-            with objects.naming_damage():
-                file = objects.opened_by_hdf5(path, descriptor)
-                try:
-                    return RunFile(path, descriptor, file)
-                except BaseException:
-                    file.close()
-                    raise
-        except BaseException:
-            os.close(descriptor)
-            raise
+        opening.callback(os.close, descriptor)
+        _check_signature(descriptor, path)
+        try:  # as HDF5 does for reading
+            lock(descriptor, shared=True)
+        except BlockingIOError as problem:
+            raise InUse("is being written by another program") from problem
+        except OSError:  # the file system has no locks, so no other process has one either
+            pass
+        with objects.naming_damage():
+            file = opening.enter_context(objects.opened_by_hdf5(path, descriptor))
+            found = RunFile(path, descriptor, file)
+        opening.pop_all()
+        return found
 
 
 def _reopened(path: Path, seal: str) -> RunFile:
@@ -225,16 +228,6 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     raise RunFileRefused("is not an HDF5 file; `rubnoise run` makes one")
 
 
-def _share(descriptor: int) -> None:
-    """Take the lock that HDF5 takes for reading; if a file system has no locks, no other process has one either."""
-    try:
-        lock(descriptor, shared=True)
-    except BlockingIOError as problem:
-        raise InUse("is being written by another program") from problem
-    except OSError:
-        return
-
-
 def _check_version(file: h5py.File) -> None:
     found = objects.read_attribute(file, "format") if "format" in file.attrs else None
     if found == schema.INDEX_FORMAT:
@@ -259,17 +252,9 @@ def _features(file: h5py.File) -> frozenset[schema.Feature]:
     """Return the features of the run, found by the objects that exist only with them."""
     objects.sound_group(file, "junctions")
     there = frozenset(feature for feature, place in schema.TELLTALES.items() if objects.linked(file, place))
-    needed: list[tuple[schema.Feature, str]] = [("speed", "birth_time")]
-    needed += [] if "base" in there else [("strength", "shear_strength")]
-    for feature, column in needed:
-        if "slider" in there and feature not in there:
-            raise RunFileRefused(f"has a slider without a {feature}: /junctions/{column} is missing")
-    if "two-way" in there and "slider" not in there:
-        raise RunFileRefused("has /balance without /slider")
-    if "free" in there and not {"load", "speed"} <= there:
-        raise RunFileRefused("has summits that are touched without /load and times")
-    if objects.linked(file, "landmarks") and there.isdisjoint(("two-way", "free")):
-        raise RunFileRefused("has /landmarks without /balance")
+    for feature, needed in schema.NEEDED:
+        if feature in there and there.isdisjoint(needed):
+            raise RunFileRefused(f"has /{schema.TELLTALES[feature]} without /{schema.TELLTALES[needed[0]]}")
     return there
 
 
@@ -286,8 +271,3 @@ def read_provenance(file: h5py.File) -> dict[str, schema.Scalar]:
     group = objects.sound_group(file, "provenance")
     more = {schema.INTERVENTION: str} if schema.INTERVENTION in group.attrs else {}
     return objects.read_attributes(group, {**schema.PROVENANCE, **more})
-
-
-def _hash_in(owner: h5py.HLObject) -> str:
-    """Return a stored hash, which is part of no other attributes; empty if there is none."""
-    return str(objects.read_attribute(owner, schema.HASH, str)) if schema.HASH in owner.attrs else ""

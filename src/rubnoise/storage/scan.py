@@ -20,7 +20,7 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, needing
 from rubnoise.regular_file import size_of
 from rubnoise.storage.measured import head_of
-from rubnoise.storage.text_lines import ENCODINGS, begin_of
+from rubnoise.storage.text_table import ENCODINGS, begin_of
 from rubnoise.unit_spelling import is_unit, spelled
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 

@@ -1,6 +1,6 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
-from collections.abc import Collection, Container, Mapping
+from collections.abc import Collection, Container, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from enum import IntEnum
 from types import UnionType
@@ -60,6 +60,15 @@ TELLTALES: Final[Mapping[Feature, str]] = {
 }
 """What a file has with each feature alone."""
 
+NEEDED: Final[Sequence[tuple[Feature, Sequence[Feature]]]] = (
+    ("slider", ("speed",)),
+    ("slider", ("strength", "base")),
+    ("two-way", ("slider",)),
+    ("free", ("load",)),
+    ("free", ("speed",)),
+)
+"""Features that are never alone, each with those of which it needs one."""
+
 
 @dataclass(frozen=True, slots=True)
 class Dataset:
@@ -108,7 +117,6 @@ class Group:
     """Columns of equal length; the first is their dimension scale, ``plotted`` the one that viewers draw against it.
 
     ``needs``: features of which it needs one; with none it is always there.
-    ``grows``: features with which only the end of a run shows the number of its rows; all others are known before.
     ``lacks`` names features with which it is absent. ``instead``: with a feature, what it is in words, and what is
     plotted.
     """
@@ -118,7 +126,6 @@ class Group:
     columns: tuple[Dataset, ...]
     plotted: str
     needs: tuple[Feature, ...] = ()
-    grows: tuple[Feature, ...] = ()
     lacks: tuple[Feature, ...] = ()
     instead: tuple[tuple[Feature, str, str], ...] = ()
 
@@ -139,7 +146,6 @@ JUNCTIONS: Final = Group(
     name="junctions",
     long_name="whole life of every junction, in order of birth",
     plotted="diameter",
-    grows=("free",),
     instead=(("free", _TOUCHES, "diameter"),),
     columns=(
         Dataset("junction", "1", "j", "row number of the junction", dtype="<i8"),
@@ -197,7 +203,6 @@ SLIDER: Final = Group(
     name="slider",
     long_name="motion of the slider, uniform in time",
     needs=("slider",),
-    grows=("slider",),
     plotted="displacement",
     columns=(
         Dataset("time", "s", "t", "time"),
@@ -238,7 +243,6 @@ LANDMARKS: Final = Group(
     name="landmarks",
     long_name="where the slider sticks, breaks away and turns round",
     needs=("two-way", "free"),
-    grows=("two-way", "free"),
     plotted="displacement",
     instead=(("free", "where the slider loses contact, and makes it again", "impact_speed"),),
     columns=(

@@ -7,8 +7,10 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from io import TextIOWrapper
 from itertools import islice
 from math import isnan, nan
 from pathlib import Path
@@ -17,9 +19,33 @@ from typing import Final, Self
 import numpy as np
 
 from rubnoise.errors import Refused
+from rubnoise.regular_file import open_stream
 from rubnoise.storage.measured import Head, Source, head_of
-from rubnoise.storage.text_lines import ENCODINGS, Line, begin_of, lines_of
 from rubnoise.unit_spelling import is_unit, spelled
+
+ENCODINGS: Final = {"utf-8-sig": (), "utf-16": ("read as UTF-16",), "cp1252": ("read as Windows-1252",)}
+"""What is said of a text by its encoding."""
+
+_LONGEST_LINE: Final = 1 << 17  # as the module csv has it of a cell
+
+Line = tuple[int, str]
+"""The number of a line, from 1 on, and its text."""
+
+
+def begin_of(path: Path, most: int | None = None) -> tuple[str, list[Line]]:
+    """Return the encoding of a text, and its first lines in it: the first one of ENCODINGS that fits them."""
+    for encoding in ENCODINGS:
+        with suppress(UnicodeError):
+            return encoding, list(islice(lines_of(path, encoding, "strict"), most))
+    return "cp1252", list(islice(lines_of(path, "cp1252"), most))
+
+
+def lines_of(path: Path, encoding: str, errors: str = "replace") -> Iterator[Line]:
+    """Yield lines with their numbers, from 1 on, which end in LF, CR LF or CR; what is too long for one, in pieces."""
+    with open_stream(path) as stream, TextIOWrapper(stream, encoding=encoding, errors=errors) as reader:
+        lines = iter(lambda: reader.readline(_LONGEST_LINE), "")
+        yield from enumerate((text.rstrip("\n") for text in lines), 1)
+
 
 MARKS: Final = ("#", "%")
 """What a comment begins with, or a line of names."""

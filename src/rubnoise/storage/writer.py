@@ -6,11 +6,10 @@ is run again: its seed gives the same bits.
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack
-from dataclasses import KW_ONLY, dataclass, field
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
 from tempfile import TemporaryFile
-from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
 import numpy as np
 import xxhash
@@ -21,45 +20,57 @@ from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.record.sink import Columns
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.format import add_group, complete, compose, hdf5_on
-from rubnoise.storage.layout import Name, RunDescription, grows, now, row_count, stored_groups
-from rubnoise.storage.life_curve import life_tables
-from rubnoise.storage.output import naming_file, part_file, reason_of
+from rubnoise.storage.layout import Name, RunDescription, life_tables, now, row_count, stored_groups
+from rubnoise.storage.output import PartFile, naming_file, part_file, reason_of
 from rubnoise.storage.schema import Group, Scalar
 
 SLACK_BYTES: Final = 1 << 16
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
 
 
-@dataclass(eq=False)
+@contextmanager
+def run_writer(path: str | os.PathLike[str], about: RunDescription, *, force: bool = False) -> "Iterator[RunWriter]":
+    """Yield the writer of one run to ``path``; if the block ends without ``publish``, an older file there stays.
+
+    Raises OutputRefused (see `part_file`; also for a full disk).
+    """
+    with part_file(path, force=force) as part, ExitStack() as spools:
+        try:
+            writer = RunWriter(part, about, spools)
+        except OSError as problem:
+            raise OutputRefused(f"{part.final}: cannot be written: {reason_of(problem)}") from problem
+        yield writer
+
+
 class RunWriter:
-    """Writes one run to ``path``: enter it, write every row, publish. Memory does not grow with the run.
+    """Writes one run: write every row, publish. Memory does not grow with the run.
 
-    If the context ends without ``publish``, nothing is left, and an older file at the path stays. Rows of a group whose
-    size is not known yet wait in files without names in the folder of the result.
-
-    Entering raises OutputRefused (see `part_file`; also for a full disk).
+    Rows of a group whose size is not known yet wait in files without names in the folder of the result.
     """
 
-    path: str | os.PathLike[str]
-    about: RunDescription
-    _: KW_ONLY
-    force: bool = False
-    _columns: "dict[Name, _Column]" = field(default_factory=dict, init=False)
-
-    def __enter__(self) -> Self:
-        with ExitStack() as opening:
-            self._part = opening.enter_context(part_file(self.path, force=self.force))
-            try:
-                self._begin(opening)
-            except OSError as problem:
-                raise OutputRefused(f"{self._part.final}: cannot be written: {reason_of(problem)}") from problem
-            self._open = opening.pop_all()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._open.__exit__(kind, error, trace)
+    def __init__(self, part: PartFile, about: RunDescription, spools: ExitStack) -> None:
+        """Make the file with its final structure and size, and the files for rows whose place is not known yet."""
+        self._part, self.about = part, about
+        self._columns: dict[Name, _Column] = {}
+        with hdf5_on(part.descriptor, "w") as file:
+            places = compose(file, about)
+        part.reserve(os.fstat(part.descriptor).st_size + SLACK_BYTES)
+        groups = stored_groups(about.features)
+        self._later = [group for group in groups if (group.name, group.columns[0].name) not in places]
+        for group in groups:
+            rows = row_count(group, about.extent)
+            for column in group.columns:
+                name, dtype = (group.name, column.name), np.dtype(column.dtype)
+                descriptor, place = part.descriptor, places.get(name, 0)
+                if group in self._later:
+                    spool = spools.enter_context(TemporaryFile(buffering=0, dir=part.final.parent))  # noqa: SIM115  (it ends with the writer)
+                    descriptor = spool.fileno()
+                    part.reserve((rows or 0) * dtype.itemsize, descriptor)
+                self._columns[name] = _Column(dtype, descriptor, place, rows)
+        for table, columns in life_tables(about.pulse).items():
+            for each, values in columns.items():
+                if (table, each) in self._columns:
+                    self._columns[table, each].write(0, values)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Write rows of a group (see Sink)."""
@@ -87,28 +98,6 @@ class RunWriter:
                             between()
                 complete(file, self.about, digests, summary, now())
             self._part.finish()
-
-    def _begin(self, opening: ExitStack) -> None:
-        """Make the file with its final structure and size, and the files for rows whose place is not known yet."""
-        with hdf5_on(self._part.descriptor, "w") as file:
-            places = compose(file, self.about)
-        self._part.reserve(os.fstat(self._part.descriptor).st_size + SLACK_BYTES)
-        groups = stored_groups(self.about.features)
-        self._later = [group for group in groups if (group.name, group.columns[0].name) not in places]
-        for group in groups:
-            rows = None if grows(group, self.about.extent) else row_count(group, self.about.extent)
-            for column in group.columns:
-                name, dtype = (group.name, column.name), np.dtype(column.dtype)
-                descriptor, place = self._part.descriptor, places.get(name, 0)
-                if group in self._later:
-                    spool = opening.enter_context(TemporaryFile(buffering=0, dir=self._part.final.parent))  # noqa: SIM115  (it ends with the writer)
-                    descriptor = spool.fileno()
-                    self._part.reserve((rows or 0) * dtype.itemsize, descriptor)
-                self._columns[name] = _Column(dtype, descriptor, place, rows)
-        for table, columns in life_tables(self.about.pulse).items():
-            for each, values in columns.items():
-                if (table, each) in self._columns:
-                    self._columns[table, each].write(0, values)
 
     def _check_rows(self, group: Group) -> None:
         """Raise RubnoiseError unless all columns of a group have all of their rows."""
