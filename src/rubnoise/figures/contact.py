@@ -1,4 +1,4 @@
-"""Junctions one by one: the contact from above, each pair at its own place; and one life among its neighbours'."""
+"""Junctions one by one: the contact from above, each pair at its own place; a run and one of its lives; one life."""
 
 from dataclasses import dataclass
 from math import ceil, pi
@@ -11,8 +11,9 @@ from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused
-from rubnoise.figures.style import BLUE, FAINT, INK, PALE, house_style, new_figure, shortened, with_minus
-from rubnoise.figures.tracks import Stretch
+from rubnoise.figures.panes import draw_along, draw_layers
+from rubnoise.figures.style import BLUE, DISTANCE, FAINT, INK, PALE, house_style, new_figure, shortened, with_minus
+from rubnoise.figures.tracks import Stretch, Track
 from rubnoise.record.rows import JunctionState
 
 if TYPE_CHECKING:
@@ -142,6 +143,50 @@ def draw_contact(figure: "Figure", stretch: Stretch) -> str:
     words = f"{alive.rows.size} junctions, {float(alive.area(distance).sum()):.4g} µm² in contact"
     stage.draw(figure.subplots())
     return f"The contact from above at {distance:,.1f} µm: {words}"
+
+
+WINDOW_LIVES: Final = 4.0
+"""Width of the window around the junction, in its own lives."""
+
+
+def draw_overview(figure: "Figure", stretch: Stretch) -> str:
+    """Draw a run, and the life of one of its junctions: one in its middle, of about the mean diameter.
+
+    Below are force and displacement of its slider, without one area and count beside theory. Raises Refused for a run
+    without junctions.
+    """
+    model, file, middle = stretch.model, stretch.file, 0.5 * (stretch.start + stretch.stop)
+    if not file.rows("junctions"):
+        raise Refused("no junction lives in this run; there is nothing to draw")
+    first = min(stretch.first_born(middle), file.rows("junctions") - 1)
+    last = max(stretch.first_born(middle + model.mean_life_distance), first + 1)
+    diameter = file.column("junctions", "diameter", first, last)
+    number = first + int(np.argmin(np.abs(diameter - model.sizes.moment(1))))
+    ends = (file.column("junctions", name, number, number + 1) for name in ("birth_distance", "death_distance"))
+    birth, death = (float(end[0]) for end in ends)
+    start = max(birth - 0.5 * (WINDOW_LIVES - 1.0) * (death - birth), 0.0)
+    window, age = np.linspace(start, start + WINDOW_LIVES * (death - birth), 1200), np.linspace(0.0, death - birth, 400)
+    alive = neighbours(file, -1, start, float(window[-1]))
+    names = ["area", "count"]
+    if model.slider is not None:
+        names = ["base" if model.slider.excitation == "base" else "force", "displacement"]
+    layout: Any = [["sum", "sum", "life"], *([name] * 3 for name in names)]
+    axes: Any = figure.subplot_mosaic(layout)
+    draw_layers(axes["sum"], window, alive.areas(window), int(np.argmax(alive.rows == number)))
+    axes["sum"].set(xlabel=DISTANCE, ylabel="area (µm²)")
+    area = alive.chosen(alive.rows == number).areas(birth + age)[0]
+    axes["life"].fill_between(age, area, color=INK, alpha=0.18, lw=0.0)
+    axes["life"].plot(age, area, color=INK, lw=2.2)
+    axes["life"].set(xlim=(0.0, age[-1]), xlabel="since its birth (µm)", ylabel="its area (µm²)")
+    axes["life"].set_ylim(bottom=0.0)
+    upper, lower = (Track.of(stretch, name) for name in names)
+    lower = lower.shown()
+    draw_along(axes[names[0]], [upper.between(*lower.ends)], last=False)
+    draw_along(axes[names[1]], [lower])
+    axes[names[0]].sharex(axes[names[1]])
+    for name in names:  # the panes are low
+        axes[name].set_ylabel(axes[name].get_ylabel().replace("contact ", "contact\n").replace("live ", "live\n"))
+    return f"The run at a glance, and the life of junction {number} (black)"
 
 
 MOST_DRAWN: Final = 60

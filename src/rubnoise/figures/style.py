@@ -1,4 +1,4 @@
-"""How every figure looks: colours, fonts, titles, legends and the marks of theory.
+"""How every figure looks: colours, fonts, titles, legends, the marks of theory, and labels that fit its size.
 
 Colour-blind readers can distinguish the colours, also in grey print; every axis has its unit.
 """
@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from functools import cache, partial
 from io import BytesIO
 from math import log10
-from textwrap import wrap
+from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
 from rubnoise.errors import Refused, how_to_install
-from rubnoise.figures.kinds import Style
+from rubnoise.figures import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -187,7 +187,7 @@ def _label(axis: "Axis", value: float, _: int, *, at_power: bool) -> str:
     """Return the label of a power of ten in raised letters, and of values between on an axis that may hold none."""
     low, high = sorted(axis.get_view_interval())
     if low > 0.0 and high < 10.0 * low:
-        has_room = at_power or f"{value:.0e}"[0] not in "679"
+        has_room = at_power or f"{value:e}"[0] in ("25" if high > 2.5 * low else "123458")
         return f"{value:g}" if has_room else ""
     return "10" + str(round(log10(value))).translate(_RAISED) if at_power and value > 0.0 else ""
 
@@ -267,3 +267,65 @@ def fitting_columns(figure: "Figure", labels: Sequence[str], most: int, share: f
     letter = font_manager.FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 72.0
     entry = letter * (max(map(len, labels), default=0) * LETTER + HANDLE)
     return min(most, max(1, int(share * figure.get_figwidth() / entry)))
+
+
+# Labels that fit a picture of a given size: what is longer than its room is broken, and ticks stand apart.
+
+NARROW: Final = 120.0 / 25.4
+"""Width in inches below which a picture is narrow, as one column of a journal is: its letters are those of paper."""
+
+_ROUNDS: Final = 4
+_APART: Final = 0.08  # inches
+_BESIDE: Final = 1.3  # widths of a tick's label that it needs
+_WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
+_FREE: Final = 0.94  # of the way from a title to the next pane
+_FEWEST: Final = 8  # characters of a line, however little room there is
+
+
+def fit_labels(figure: "Figure") -> None:
+    """Break labels, titles and entries of legends that are longer than their room, and thin out ticks."""
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+    from matplotlib.text import Text
+
+    if isinstance(layout := figure.get_layout_engine(), ConstrainedLayoutEngine):
+        layout.set(h_pad=_APART)  # so that the lowest tick of a pane stays off the highest of the one below
+    before: list[str] = []
+    for _ in range(_ROUNDS):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of panes without any room, which have it when all is broken
+            figure.draw_without_rendering()
+        boxes = [axes.get_window_extent() for axes in figure.axes]
+        for axes, box in zip(figure.axes, boxes, strict=True):
+            _fit_pane(axes, box, boxes, figure.bbox.width)
+        for text in (text for legend in figure.legends for text in legend.get_texts()):
+            text.set_text(_broken(text.get_text(), text, _WORDS * figure.bbox.width))
+        texts = [text.get_text() for text in figure.findobj(Text)]
+        if texts == before:
+            return
+        before = texts
+
+
+def _fit_pane(axes: "Axes", box: Any, boxes: Sequence[Any], width: float) -> None:
+    """Fit the texts of a pane into its box among those of all panes, in dots, of a figure of a width."""
+    from matplotlib.ticker import MaxNLocator
+
+    left = max((other.x1 for other in boxes if other.x1 <= box.x0), default=0.0)
+    right = min((other.x0 for other in boxes if other.x0 >= box.x1), default=width)
+    middle, beside = 0.5 * (box.x0 + box.x1), sum(other.y0 < box.y1 and box.y0 < other.y1 for other in boxes)
+    axes.set_title(_broken(axes.get_title(loc="left"), axes.title, _FREE * (right - box.x0)))
+    axes.set_xlabel(_broken(axes.get_xlabel(), axes.xaxis.label, 2.0 * min(middle - left, right - middle)))
+    axes.set_ylabel(_broken(axes.get_ylabel(), axes.yaxis.label, box.height))
+    for text in () if (legend := axes.get_legend()) is None else legend.get_texts():
+        text.set_text(_broken(text.get_text(), text, _WORDS * width / beside))
+    if isinstance(axes.xaxis.get_major_locator(), MaxNLocator) and (labels := axes.get_xticklabels()):
+        room = int(box.width / (_BESIDE * max(label.get_window_extent().width for label in labels)))
+        if len(labels) > room + 1:
+            axes.locator_params(axis="x", nbins=max(1, room))
+
+
+def _broken(words: str, like: Any, room: float) -> str:
+    """Return words, broken between them if in the letters of a text they are longer than a room in dots."""
+    most = max(_FEWEST, int(72.0 * room / (LETTER * like.get_fontsize() * like.figure.figure.dpi)))
+    if max(map(len, words.split("\n"))) <= most:
+        return words
+    return fill(" ".join(words.split()), most, break_long_words=False)

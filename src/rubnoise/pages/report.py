@@ -14,9 +14,9 @@ from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
+from rubnoise.figures import Kind
 from rubnoise.figures.catalogue import drawing
 from rubnoise.figures.fits import contact_figure
-from rubnoise.figures.kinds import Kind
 from rubnoise.figures.study import draw_study, key_label, quantities_of, quantity_words, study_of_sweep
 from rubnoise.figures.style import PicturesMissing, drawn
 from rubnoise.figures.tracks import Stretch
@@ -82,7 +82,7 @@ def run_report(file: Reader, text: str, between: Between) -> str:
         "Scenario": f"<pre>{escape(text_of(json.loads(str(origin['scenario_resolved']))))}</pre>",
         "How to repeat this run": _repeat(origin, "rubnoise run scenario.toml -o run.h5", file.attributes),
     }
-    return report_page(stretch.title or file.path.stem, sections, str(origin["finished"]))
+    return report_page(str(file.attributes["title"]) or file.path.stem, sections, str(origin["finished"]))
 
 
 def sweep_report(sweep: SweepResult, between: Between) -> str:

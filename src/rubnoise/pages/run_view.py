@@ -12,14 +12,13 @@ import numpy as np
 
 from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.selection import first_row, neighbours
-from rubnoise.arrays import chunk_of_steps
 from rubnoise.errors import Refused
 from rubnoise.figures.tracks import Stretch, lowest_and_highest
 from rubnoise.model import Model
 from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import last_time, page
 from rubnoise.pages.statistics import exact_curves, whole_run
-from rubnoise.record.reader import Reader, chunks, column_chunks
+from rubnoise.record.reader import Reader, chunks
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
 from rubnoise.theory.moments import area_cumulants
@@ -76,9 +75,8 @@ class RunView:
 
     def page(self) -> str:
         """Return the text of the page."""
-        return page(
-            "view.html", title=self.stretch.title or self.name, styles=STYLES, scripts=SCRIPTS, data=self._data()
-        )
+        data = self._data()
+        return page("view.html", title=data["title"], styles=STYLES, scripts=SCRIPTS, data=data)
 
     def _data(self) -> dict[str, Any]:
         model, file = self.stretch.model, self.stretch.file
@@ -86,7 +84,7 @@ class RunView:
         groups = [name for name in CURVES if name in file.columns]
         curves = exact_curves(file, model)
         return {
-            "title": self.stretch.title or self.name,
+            "title": str(file.attributes["title"]) or self.name,
             "name": self.name,
             "start": self.stretch.start,
             "stop": self.stretch.stop,
@@ -206,7 +204,7 @@ def _levels(file: Any, group: str, names: tuple[str, ...]) -> dict[str, Any]:
     kept = [name for name in (*names, "distance") if name in file.columns[group]]
     found: dict[str, Any] = {"step": step, "rows": rows}
     for name in kept:
-        low, high = lowest_and_highest(column_chunks(file, group, name, size=chunk_of_steps(step)), step)
+        low, high = lowest_and_highest(file.column(group, name), step)
         found[name] = {"low": packed(low), "high": packed(high)}
     return found
 

@@ -122,5 +122,5 @@ def _thinned(columns: Any, names: tuple[str, str]) -> list[list[float]]:
     rows = min(len(columns), ROWS)
     places, values = (np.asarray(columns[name][:rows], dtype=np.float64) for name in names)
     step = max(1, ceil(rows / CELLS))
-    both = np.stack(lowest_and_highest([values], step), axis=-1).ravel() if step > 1 else values
+    both = np.stack(lowest_and_highest(values, step), axis=-1).ravel() if step > 1 else values
     return [np.repeat(places[::step], 2 if step > 1 else 1).tolist(), both.tolist()]
