@@ -1,9 +1,10 @@
 """Reports of a run, a sweep or two surfaces: words, figures beside exact values, pictures, sound and origin."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from html import escape
+from io import BytesIO
 from math import isfinite
 from typing import Any, Final
 
@@ -13,6 +14,7 @@ from rubnoise.analysis.findings import from_attributes
 from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures import Kind
 from rubnoise.figures.catalogue import drawing
@@ -20,8 +22,7 @@ from rubnoise.figures.fits import contact_figure
 from rubnoise.figures.study import draw_study, key_label, quantities_of, quantity_words, study_of_sweep
 from rubnoise.figures.style import PicturesMissing, drawn
 from rubnoise.figures.tracks import Stretch
-from rubnoise.pages.page import written
-from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words
+from rubnoise.pages.report_words import in_words
 from rubnoise.record.reader import Reader
 from rubnoise.scenario import loads
 from rubnoise.scenario.text import text_of
@@ -31,31 +32,22 @@ from rubnoise.tables import as_html
 from rubnoise.web_page import coded, report_page
 
 CAPTIONS: Final[dict[Kind, str]] = {
-    "trace": "Real contact area over the sliding distance, at the beginning of the run. The band is the exact mean with"
-    " one standard deviation on each side.",
+    "trace": "Real contact area over the sliding distance, at the beginning of the run.",
     "lives": "Single junctions: above, their areas add up to the real contact area; below, each by itself.",
-    "histogram": "How often each area occurs, with the exact density.",
-    "psd": "Spectrum of the real contact area, with the exact one. Below, its ratio to what theory expects.",
-    "acf": "Autocovariance of the real contact area, with the exact one. At each lag by itself, 95 % of runs lie in the"
-    " band.",
-    "count": "Number of live junctions, with the exact distribution.",
+    "histogram": "How often each area occurs.",
+    "psd": "Spectrum of the real contact area.",
+    "acf": "Autocovariance of the real contact area.",
+    "count": "How many junctions live at once.",
     "slider": "Motion of the slider at the beginning of the run.",
     "phase": "Velocity of the slider over its displacement.",
-    "landmarks": "How far the slider slips, and how long it sticks.",
-    "lifelines": "Lives of junctions: each bar begins at a birth and ends at a death.",
-    "load": "Load, separation and normal velocity at the beginning of the run, with exact means and spreads.",
+    "landmarks": "How far the slider slips and how long it sticks, or how fast it falls and how long it flies.",
+    "lifelines": "A bar for each life from birth to death, or for each touch of a summit.",
+    "load": "Load, separation and normal velocity at the beginning of the run.",
 }
-OF_FREE_MOTION: Final[dict[Kind, str]] = {
-    "trace": "Real contact area over the sliding distance, at the beginning of the run.",
-    "histogram": "How often each area occurs while the slider is on the surface.",
-    "psd": "Spectrum of the real contact area, of which there is no theory.",
-    "acf": "Autocovariance of the real contact area, of which there is no theory.",
-    "count": "Number of summits in contact.",
-    "landmarks": "How fast overlaps grow at impacts, and how long the slider was off the surface.",
-    "lifelines": "Touches of summits: each bar begins where contact is made and ends where it is lost.",
-    "load": "Load, separation and normal velocity at the beginning of the run. Flights are shaded, impacts are rings.",
-}
-"""Captions of pictures without theory, for a slider that may leave its contact."""
+IN_COLOURS: Final = (
+    "Blue, grey and black are simulated. What theory knows of this run is orange: means, with a band of one standard"
+    " deviation on each side, laws and spectra."
+)
 
 SECONDS: Final = 5.0
 RATE: Final = 44_100
@@ -73,11 +65,10 @@ def run_report(file: Reader, text: str, between: Between) -> str:
     stretch = Stretch.of(file)
     measured = {row.name: row.value for row in from_attributes(file.summary)}
     origin = file.provenance
-    words = [*in_words(stretch.model), *flights_in_words(stretch), *motion_in_words(stretch.model, measured)]
     sections = {
-        "What was simulated": _paragraphs(words),
+        "What was simulated": _paragraphs(in_words(stretch, measured)),
         "In numbers": f"<pre>{escape(text)}</pre>",
-        "Pictures": "".join(_pictures(stretch, between)),
+        "Pictures": _paragraphs([IN_COLOURS]) + "".join(_pictures(stretch, between)),
         "Sound": _sound(file, between),
         "Scenario": f"<pre>{escape(text_of(json.loads(str(origin['scenario_resolved']))))}</pre>",
         "How to repeat this run": _repeat(origin, "rubnoise run scenario.toml -o run.h5", file.attributes),
@@ -126,8 +117,7 @@ def _left_out_if_refused() -> Iterator[None]:
 
 
 def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
-    captions = CAPTIONS if stretch.has_theory else CAPTIONS | OF_FREE_MOTION
-    for name, caption in captions.items():
+    for name, caption in CAPTIONS.items():
         between()
         with _left_out_if_refused():  # a run without a slider has no motion to show
             yield _picture(drawn(drawing, name, stretch), caption)
@@ -143,15 +133,16 @@ def _sound(file: Reader, between: Between) -> str:
         level = level_of(sound, between)
     except Refused:
         return ""
-    pieces = samples_of(sound, level, between)
-    content = written(lambda path: write_wave(path, pieces, samples=sound.samples, rate=sound.rate, texts={}))
     what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
     words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
-    return _heard(words, content)
+    return _heard(words, samples_of(sound, level, between), sound.samples)
 
 
-def _heard(words: str, wave: bytes) -> str:
-    return f'{_paragraphs([words])}<audio controls src="data:audio/wav;base64,{coded(wave)}"></audio>'
+def _heard(words: str, pieces: Iterable[Doubles], samples: int) -> str:
+    """Return words and what plays samples from -1 to 1, which come in pieces."""
+    stream = BytesIO()
+    write_wave(stream, pieces, samples=samples, rate=RATE, texts={})
+    return f'{_paragraphs([words])}<audio controls src="data:audio/wav;base64,{coded(stream.getvalue())}"></audio>'
 
 
 def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str, object]) -> str:
@@ -203,19 +194,18 @@ def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
 
     ``scenario`` are the keywords of `SlidingContact.scenario_text`. Raises PicturesMissing without matplotlib.
     """
-    sound, words = _sound_of_area(contact, scenario.get("speed"))
     shown = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
     sections = {
         "In numbers": f"<pre>{escape(text)}</pre>",
         "Pictures": _picture(drawn(contact_figure, contact), f"{shown} autocovariance"),
-        "Sound": _heard(words, sound),
+        "Sound": _sound_of_area(contact, scenario.get("speed")),
         "Scenario": f"<pre>{escape(contact.scenario_text(**scenario))}</pre>",
     }
     return report_page(f"{contact.slider.name} on {contact.track.name}", sections)
 
 
-def _sound_of_area(contact: SlidingContact, speed: float | None) -> tuple[bytes, str]:
-    """Return a WAV file of the scenario's area less its mean at a speed in um/s, and words with the speed.
+def _sound_of_area(contact: SlidingContact, speed: float | None) -> str:
+    """Return words and the sound of the scenario's area less its mean at a speed in um/s.
 
     Without a speed it is one that is well heard; one at which lives are shorter than a few samples is slowed down.
     """
@@ -227,6 +217,5 @@ def _sound_of_area(contact: SlidingContact, speed: float | None) -> tuple[bytes,
     area = np.asarray(record.trace["real_contact_area"][:samples], dtype=np.float64)
     values = area - area.mean()
     values *= _PEAK / np.abs(values).max()
-    content = written(lambda path: write_wave(path, [values], samples=values.size, rate=RATE, texts={}))
     heard = f"at a sliding speed of {tick * RATE * 1e-3:.3g} mm/s"
-    return content, f"The real contact area of the scenario as it changes {heard}."
+    return _heard(f"The real contact area of the scenario as it changes {heard}.", [values], values.size)
