@@ -150,7 +150,6 @@ def lesson_page(source: Path) -> str:
     """Return a lesson about a scenario; of a finished result its junctions are replayed."""
     from rubnoise.cli.loading import finished_run, is_result, loaded
     from rubnoise.lesson.page import page, record_of
-    from rubnoise.lesson.settings import settings_of
     from rubnoise.scenario import load
 
     record = None
@@ -159,4 +158,4 @@ def lesson_page(source: Path) -> str:
             scenario, record = run.scenario, record_of(run)
     else:
         scenario = loaded(load, source)
-    return page(scenario.title or source.stem, settings_of(scenario), record)
+    return page(scenario.title or source.stem, scenario, record)
