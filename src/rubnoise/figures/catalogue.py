@@ -86,8 +86,7 @@ def drawing(
         if measured is not None:
             label, over, density = measured
             figure.axes[0].plot(over, density, color=style.INK, lw=1.0, label=style.shortened(label))
-        if not figure.legends:
-            style.add_legends(figure.axes)
+        style.add_legends(figure.axes)
         _finish(figure, look, fitted=ax is None)
     whole: Figure = figure.figure
     return whole

@@ -1,7 +1,7 @@
 """Junctions one by one: the contact from above, each pair at its own place; a run and one of its lives; one life."""
 
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil, pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -12,7 +12,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused
 from rubnoise.figures.panes import draw_along, draw_layers
-from rubnoise.figures.style import BLUE, DISTANCE, FAINT, INK, PALE, house_style, new_figure, shortened, with_minus
+from rubnoise.figures.style import BLUE, DISTANCE, FAINT, INK, PALE, house_style, new_figure, shortened
 from rubnoise.figures.tracks import Stretch, Track
 from rubnoise.record.rows import JunctionState
 
@@ -117,17 +117,15 @@ def stage_of(stretch: Stretch, distance: float) -> Stage:
     largest = float(junctions.diameter.max(initial=1.0))
     # Circles that miss the centre lie on either side of the line of motion.
     wide, high = CELL[0] * largest, (1.0 if junctions.offset is None else 2.0) * CELL[1] * largest
-    cells = max(count, 1)
-    sizes = {n: ((n + 2.0 * MARGIN - 0.6) * wide, (ceil(cells / n) + 0.2) * high) for n in range(1, cells + 1)}
-    columns = min(sizes, key=lambda n: max(sizes[n][1], sizes[n][0] / ASPECT))
+    columns = max(1, round(sqrt(count * ASPECT * high / wide)))
     row, column = np.divmod(np.arange(count), columns)
     return Stage(
         junctions=junctions,
         distance=distance,
         x=(column + MARGIN + 0.4 * (row % 2)) * wide,
         y=(row + MARGIN) * high,
-        width=sizes[columns][0],
-        height=sizes[columns][1],
+        width=(columns + 2.0 * MARGIN - 0.6) * wide,
+        height=(max(1, ceil(count / columns)) + 0.2) * high,
     )
 
 
@@ -193,7 +191,6 @@ MOST_DRAWN: Final = 60
 """Neighbours drawn, evenly chosen in order of birth; of more the picture would be a grey cloud."""
 
 SAMPLES: Final = 401
-UNITS_OF_TIME: Final = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
 
 
 @house_style()
@@ -203,7 +200,7 @@ def draw_life(life: Life, source: str = "") -> "Figure":
     above, below = figure.subplots(2, 1, sharex=True)
     whose = f"Junction {life.number:,}" + (f" of {shortened(source)}" if source else "")
     ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
-    born = f"born at {with_minus(f'{life.birth_distance:,.2f}')} µm{ended}"
+    born = f"born at {life.birth_distance:,.2f} µm{ended}"
     above.set_title(f"{whose}\ndiameter {life.diameter:.4g} µm, {born}", pad=10.0)
     _draw_neighbours(above, life)
     _draw_own(above, life)
@@ -211,22 +208,18 @@ def draw_life(life: Life, source: str = "") -> "Figure":
     for axes in (above, below):
         _shade_unknown(axes, life)
         axes.legend(loc="upper right", ncols=3, frameon=True, fancybox=False, edgecolor="none", framealpha=1.0)
-    _add_times(above, below, life)
     below.set_xlabel("sliding distance since its birth (µm)")
     below.set_xlim(0.0, life.life_distance)
     return figure
 
 
 def _draw_neighbours(axes: "Axes", life: Life) -> None:
-    count = life.others.birth.size
-    drawn = min(count, MOST_DRAWN)
-    age = np.linspace(0.0, life.life_distance, SAMPLES)
-    some = np.zeros(count, dtype=np.bool_)
-    some[np.arange(drawn) * count // max(drawn, 1)] = True
-    areas = life.others.chosen(some).areas(life.birth_distance + age)
+    count, age = life.others.birth.size, np.linspace(0.0, life.life_distance, SAMPLES)
+    some = life.others.chosen(slice(None, None, max(1, ceil(count / MOST_DRAWN))))
+    areas = some.areas(life.birth_distance + age)
     lines = axes.plot(age, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.7)
     if lines:
-        lines[0].set_label("the others" if drawn == count else f"{drawn} of the {count:,} others")
+        lines[0].set_label(f"{len(lines)} of the {count:,} others" if len(lines) < count else "the others")
 
 
 def _draw_own(axes: "Axes", life: Life) -> None:
@@ -269,23 +262,7 @@ def _draw_contact(axes: "Axes", life: Life) -> None:
 def _shade_unknown(axes: "Axes", life: Life) -> None:
     """Mark the parts before the start and after the end of the record, where the other live junctions are unknown."""
     start, end = -life.birth_distance, life.record_end - life.birth_distance
-    beyond = [(0.0, start, "before the start"), (end, life.life_distance, "after the end")]
-    beyond = [(first, last, words) for first, last, words in beyond if first < last]
-    # Named in the legend: in the band itself the words would hide curves, or, in a narrow one, the axis beside it.
-    label = ", ".join(words for _, _, words in beyond)
-    for first, last, _ in beyond:
-        axes.axvspan(first, last, facecolor=PALE, edgecolor=FAINT, hatch="//", lw=0.0, zorder=0, label=label)
-        label = "_one entry is enough"
-
-
-def _add_times(above: "Axes", below: "Axes", life: Life) -> None:
-    """Write times since birth on top, in the unit that suits them."""
-    if life.birth_time is None or life.death_time is None or not life.slides_evenly:
-        return
-    whole = life.death_time - life.birth_time
-    unit, factor = next((unit, factor) for unit, factor in UNITS_OF_TIME if whole * factor > 1.0 or unit == "ns")
-    pace = whole * factor / life.life_distance
-    top = above.secondary_xaxis("top", functions=(lambda s: np.multiply(s, pace), lambda t: np.divide(t, pace)))
-    top.set_xlabel(f"time since its birth ({unit})")
-    above.tick_params(labelbottom=True)
-    below.tick_params(labelbottom=True)
+    for first, last, words in ((0.0, start, "before the start"), (end, life.life_distance, "after the end")):
+        if first < last:
+            # Named in the legend: in the band the words would hide curves, or, in a narrow one, the axis beside it.
+            axes.axvspan(first, last, facecolor=PALE, edgecolor=FAINT, hatch="//", lw=0.0, zorder=0, label=words)

@@ -1,4 +1,4 @@
-"""The kinds of panes that pictures are put together from: curves, histograms, lives, a plane and spectra.
+"""The kinds of panes that pictures are put together from: curves, histograms, lives and spectra.
 
 Blue is simulated and vermilion exact; two runs are a broad pale curve and a thin dark one.
 """
@@ -111,24 +111,6 @@ def draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str,
     axes.axvline(place, color=VERMILION, lw=1.2, ls=(0, (5, 3)), label=words)
     axes.locator_params(axis="y", integer=True)
     style.logarithmic(axes.xaxis)
-
-
-# The phase plane.
-
-BOXES: Final = (180, 140)
-SHADES: Final = ("#dcebf5", "#0072b2", "#04213a")
-"""From rarely to often; a grey printer keeps them in order."""
-
-
-def draw_density(axes: "Axes", x: Doubles, y: Doubles) -> None:
-    """Draw the share of the time in each small box of a plane, in logarithmic shades."""
-    from matplotlib.colors import LinearSegmentedColormap
-
-    look: dict[str, Any] = {"cmap": LinearSegmentedColormap.from_list("often", SHADES), "norm": "log"}
-    *_, drawn = axes.hist2d(x, y, BOXES, weights=np.full(x.size, 1.0 / x.size), cmin=0.5 / x.size, **look)
-    drawn.set_rasterized(True)
-    bar = axes.figure.colorbar(drawn, ax=axes, pad=0.02, label="share of the time in a box")
-    style.logarithmic(bar.ax.yaxis)
 
 
 # Lives.

@@ -284,44 +284,38 @@ def draw_motion(figure: "Figure", stretch: Stretch, beside: Stretch | None = Non
 
 
 MOST_ON_A_PATH: Final = 60_000
-"""Rows that are joined to a path; of more it would be a blot, and is drawn as a density alone."""
+"""Rows that are joined to a path; of more it would be a blot, and the pale path is drawn alone."""
 
 HEADROOM: Final = 0.06
 """Room above the drive's speed over all speeds."""
 
 
 def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:
-    """Draw the path of a slider in the phase plane, and beside it the density of its places in the whole stretch.
+    """Draw the path of a slider in the phase plane, over a pale one of all rows of a longer stretch.
 
     A slider that sticks is on the horizontal line at the drive's speed V. For a one-way slider the ellipse of the exact
-    standard deviations is drawn. Another run is drawn over the first at the same times, without the density.
+    standard deviations is drawn. Another run is drawn over the first at the same times, without the pale path.
     """
     whole, speeds = (tracks_of(stretch, beside, name) for name in ("displacement", "velocity"))
-    shown = at_the_same(whole)
+    shown, axes = at_the_same(whole), figure.subplots()
     first, drive = shown[0], 1e-3 * (stretch.model.sliding_speed or 0.0)
     path = first.last - first.first <= MOST_ON_A_PATH
-    density = beside is None and (first.ends != whole[0].ends or not path)
-    planes = figure.subplots(1, path + density, sharex=True, sharey=True, squeeze=False)[0].tolist()
-    if path:
-        for track, fast, look in zip(shown, speeds, panes.looks_of(shown), strict=True):
-            planes[0].plot(track.record(), fast.between(*first.ends).record(), **look)
-        planes[0].set_title("the path, {:.4g} to {:.4g} s".format(*first.ends), fontsize="medium")
-    if density:
-        panes.draw_density(planes[-1], whole[0].record(), speeds[0].record())
-        planes[-1].set_title("share of the time, {:.4g} to {:.4g} s".format(*whole[0].ends), fontsize="medium")
-    for axes in planes:
-        label = f"speed V of the drive, {drive:.4g} mm/s"
-        axes.axhline(drive, color=INK, lw=0.8, ls=(0, (1, 2)), zorder=0.5, label=label)
-        if beside is None and first.has_theory and isfinite(first.moments()[1]):
-            turn, (place, wide), (_, high) = np.linspace(0.0, 2.0 * np.pi, 200), first.moments(), speeds[0].moments()
-            ellipse = place + wide * np.cos(turn), high * np.sin(turn)
-            axes.plot(*ellipse, color=VERMILION, lw=1.4, zorder=5, label="exact standard deviations")
-        axes.set_xlabel(first.quantity.label)
-    low, high = planes[0].get_ylim()
-    planes[0].set(ylim=(low, max(high, drive + HEADROOM * (high - low))), ylabel=speeds[0].quantity.label)
-    handles, labels = planes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower right", ncols=style.fitting_columns(figure.figure, labels, 3))
-    return "The phase plane of the slider"
+    if beside is None and (first.ends != whole[0].ends or not path):
+        pale: dict[str, Any] = {"color": "#a9cce3", "lw": 0.4, "rasterized": True, "label": "whole stretch"}
+        axes.plot(whole[0].record(), speeds[0].record(), **pale)
+    for track, fast, look in zip(shown, speeds, panes.looks_of(shown), strict=True):
+        if path:
+            axes.plot(track.record(), fast.between(*first.ends).record(), **look)
+    label = f"speed V of the drive, {drive:.4g} mm/s"
+    axes.axhline(drive, color=INK, lw=0.8, ls=(0, (1, 2)), zorder=0.5, label=label)
+    if beside is None and first.has_theory and isfinite(first.moments()[1]):
+        turn, (place, wide), (_, rapid) = np.linspace(0.0, 2.0 * np.pi, 200), first.moments(), speeds[0].moments()
+        ellipse = place + wide * np.cos(turn), rapid * np.sin(turn)
+        axes.plot(*ellipse, color=VERMILION, lw=1.4, zorder=5, label="exact standard deviations")
+    low, high = axes.get_ylim()
+    axes.set(ylim=(low, max(high, drive + HEADROOM * (high - low))), ylabel=speeds[0].quantity.label)
+    axes.set_xlabel(first.quantity.label)
+    return "The phase plane of the slider, {:.4g} to {:.4g} s".format(*first.ends)
 
 
 MOST_IMPACTS: Final = 200

@@ -283,7 +283,7 @@ def _label(axes: "Axes", study: Study) -> None:
         axes.set_xticks(places, [style.shortened(labels[place], LONGEST_LABEL) for place in places.tolist()])
         axes.margins(x=0.15)
     elif places.size > 1 and np.diff(along).min() > CLOSE * np.ptp(along):
-        axes.set_xticks(places, [style.with_minus(f"{place:.4g}") for place in places])
+        axes.set_xticks(places, [f"{place:.4g}" for place in places])
         axes.set_xticks([], minor=True)
     if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
         axes.set_ylim(bottom=0.0)

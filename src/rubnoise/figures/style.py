@@ -6,7 +6,7 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache, partial
+from functools import partial
 from io import BytesIO
 from math import log10
 from textwrap import fill, wrap
@@ -81,17 +81,12 @@ def new_figure(width: float, height: float) -> "Figure":
 
     To be called, and drawn on, within ``house_style()``. Raises PicturesMissing without matplotlib.
     """
-    figure: Figure = _picture_class()(figsize=(width, height), layout="constrained")
-    return figure
-
-
-@cache
-def _picture_class() -> Any:
-    """Return matplotlib's class of figures, with the method that a notebook needs to show one without pyplot."""
     # Not through pyplot: it would look for a screen and keep every figure of the process.
     from matplotlib.figure import Figure
 
-    return type("Figure", (Figure,), {"_repr_png_": as_bytes, "__doc__": Figure.__doc__})
+    shown_in_notebooks: Any = type("Figure", (Figure,), {"_repr_png_": as_bytes, "__doc__": Figure.__doc__})
+    figure: Figure = shown_in_notebooks(figsize=(width, height), layout="constrained")
+    return figure
 
 
 @contextmanager
@@ -111,10 +106,10 @@ def in_place_of(ax: Any) -> Iterator[Any]:
         meant = "one of them is needed, such as axes[0]" if several else "figure, ax = plt.subplots() makes some"
         raise Refused(f"ax: {type(ax).__name__} is no axes of matplotlib; {meant}")
     figure: Any = ax.figure
-    if figure is None or ax not in figure.axes:
-        raise Refused("ax: these axes left their figure when another picture took their place; give it axes of its own")
-    if ax.get_subplotspec() is None:
-        raise Refused("ax: these axes have no place in a grid; plt.subplots() makes some that have one")
+    if figure is None or ax not in figure.axes or ax.get_subplotspec() is None:
+        raise Refused(
+            "ax: these axes left their figure, or have no place in its grid; plt.subplots() makes some that do"
+        )
     whole = figure.figure
     if whole.get_layout_engine() is None:
         whole.set_layout_engine("constrained")
@@ -228,11 +223,6 @@ def contact_label(model: "Model") -> str:
     return held if model.free is None else f"free slider; at constant separation {held}"
 
 
-def with_minus(text: str) -> str:
-    """Return a text with numbers whose hyphens are minus signs, as those of the axes are."""
-    return text.replace("-", "\N{MINUS SIGN}")
-
-
 def one_line(text: str) -> str:
     """Return a text from a file with a space for whatever would break a line or has no shape."""
     return "".join(character if character.isprintable() else " " for character in text).strip()
@@ -248,25 +238,23 @@ def exact_band(axes: "Axes", mean: float, std: float) -> None:
 
 
 def add_legends(panes: Iterable["Axes"]) -> None:
-    """Put a legend above each pane, flush right, where it hides nothing; what a pane before explains is left out."""
+    """Put a legend above each pane, flush right, where it hides nothing; what a pane before explains is left out.
+
+    It has as many columns as the width of its pane has room for.
+    """
+    from matplotlib import font_manager, rcParams
+
+    letter = font_manager.FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 72.0
     explained: set[str] = set()
     for axes in panes:
         named = zip(*axes.get_legend_handles_labels(), strict=True)
         new = {label: handle for handle, label in named if label not in explained}
         if new:
-            columns = fitting_columns(axes.figure.figure, list(new), 4, axes.get_position().width / USUAL_WIDTH)
+            width = axes.figure.figure.get_figwidth() * axes.get_position().width / USUAL_WIDTH
+            columns = int(width / (letter * (max(map(len, new)) * LETTER + HANDLE)))
             above: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
-            axes.legend(list(new.values()), list(new), ncols=columns, **above)
+            axes.legend(list(new.values()), list(new), ncols=min(4, max(1, columns)), **above)
         explained |= set(new)
-
-
-def fitting_columns(figure: "Figure", labels: Sequence[str], most: int, share: float = 1.0) -> int:
-    """Return the number of columns of a legend for which a share of a figure's width has room."""
-    from matplotlib import font_manager, rcParams
-
-    letter = font_manager.FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 72.0
-    entry = letter * (max(map(len, labels), default=0) * LETTER + HANDLE)
-    return min(most, max(1, int(share * figure.get_figwidth() / entry)))
 
 
 # Labels that fit a picture of a given size: what is longer than its room is broken, and ticks stand apart.
@@ -297,8 +285,6 @@ def fit_labels(figure: "Figure") -> None:
         boxes = [axes.get_window_extent() for axes in figure.axes]
         for axes, box in zip(figure.axes, boxes, strict=True):
             _fit_pane(axes, box, boxes, figure.bbox.width)
-        for text in (text for legend in figure.legends for text in legend.get_texts()):
-            text.set_text(_broken(text.get_text(), text, _WORDS * figure.bbox.width))
         texts = [text.get_text() for text in figure.findobj(Text)]
         if texts == before:
             return
