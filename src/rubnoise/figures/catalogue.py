@@ -56,9 +56,6 @@ class Appearance:
 
 AS_IT_IS: Final = Appearance()
 
-Measured = tuple[str, Doubles, Doubles]
-"""A spectrum of the user's own, to lay over that of a run: its name, places and densities in the picture's units."""
-
 
 def drawing(
     name: Kind,
@@ -66,15 +63,15 @@ def drawing(
     *,
     heard: Heard | None = None,
     beside: Stretch | None = None,
-    measured: Measured | None = None,
+    measured: tuple[str, Doubles, Doubles] | None = None,
     look: Appearance = AS_IT_IS,
     ax: "Axes | None" = None,
 ) -> "Figure":
     """Return a picture of a run as a figure, which a notebook shows; with ``ax``, their whole figure.
 
     heard: the quantity of `psd` and `histogram`, in place of the area; beside: a run that is drawn over
-    the first; measured: a spectrum of the user's; look: its size, its style, and whether it has titles. Raises Refused
-    if a run does not have what the picture shows.
+    the first; measured: name, places and densities of a spectrum of the user's, in the picture's units; look: its size,
+    its style, and whether it has titles. Raises Refused if a run does not have what the picture shows.
     """
     draw, *size = PICTURES[name]
     options: dict[str, Any] = {"of": heard, "beside": beside}

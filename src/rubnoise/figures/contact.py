@@ -9,7 +9,6 @@ import numpy as np
 from rubnoise.analysis.life import Life
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused
 from rubnoise.figures.panes import draw_along, draw_layers
 from rubnoise.figures.style import BLUE, DISTANCE, FAINT, INK, PALE, house_style, new_figure, shortened
@@ -31,8 +30,6 @@ CELL, MARGIN, ASPECT = (2.9, 1.12), 0.6, 2.2
 """Width and height of a pair's place in diameters of the largest, places left free at an edge, width over height."""
 
 ARC_POINTS: Final = 25
-SHADES: Final = ("#c9dfee", "#0072b2", "#04213a")
-"""From little area to much; a grey printer keeps them in order."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,16 +46,14 @@ class Stage:
     def draw(self, axes: "Axes") -> None:
         """Draw the pairs, their overlaps in shades of area, and signs of births and deaths."""
         from matplotlib.collections import PolyCollection
-        from matplotlib.colors import LinearSegmentedColormap
 
-        pairs, shades = self.junctions, LinearSegmentedColormap.from_list("area", SHADES)
+        pairs = self.junctions
         shift = self.distance - pairs.birth - pairs.half_life
-        touching = np.flatnonzero((self.distance >= pairs.birth) & (self.distance < pairs.death))
-        aside = None if pairs.offset is None else pairs.offset[touching]
-        areas = area_of(pairs.pulse, self.distance - pairs.birth[touching], pairs.diameter[touching], aside)
-        lenses = [self._lens(i, float(shift[i])) for i in touching.tolist()]
+        alive = (pairs.birth <= self.distance) & (self.distance < pairs.death)
+        lenses = [self._lens(row, float(shift[row])) for row in np.flatnonzero(alive).tolist()]
         most = 0.25 * pi * float(pairs.diameter.max(initial=1.0)) ** 2
-        overlaps = PolyCollection(lenses, array=areas, cmap=shades, clim=(0.0, most), lw=0.0, zorder=2)
+        look: dict[str, Any] = {"cmap": "Blues", "clim": (0.0, most), "lw": 0.0, "zorder": 2}
+        overlaps = PolyCollection(lenses, array=pairs.chosen(alive).area(self.distance), **look)
         self._circles(axes, 0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1)
         axes.add_collection(overlaps)
         upper = "upper surface, sliding \N{RIGHTWARDS ARROW}"
@@ -227,16 +222,8 @@ def _draw_own(axes: "Axes", life: Life) -> None:
     age, area = curve["distance"] - life.birth_distance, curve["area"]
     axes.fill_between(age, area, color=BLUE, alpha=0.18, lw=0.0)
     axes.plot(age, area, color=BLUE, lw=2.4, label="this junction")
-    axes.plot([life.peak_age], [life.peak_area], "o", color=INK, ms=4.5, zorder=5, clip_on=False)
-    beyond_middle = life.peak_age > 0.5 * life.life_distance
-    axes.annotate(
-        f"{life.peak_area:.4g} µm²" + (", ended here" if life.peak_distance == life.death_distance else ""),
-        (life.peak_age, life.peak_area),
-        xytext=(-6.0 if beyond_middle else 6.0, 5.0),
-        textcoords="offset points",
-        ha="right" if beyond_middle else "left",
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.85},
-    )
+    peak: dict[str, Any] = {"color": INK, "ms": 4.5, "zorder": 5, "clip_on": False}
+    axes.plot([life.peak_age], [life.peak_area], "o", label=f"largest in the record, {life.peak_area:.4g} µm²", **peak)
     tallest = max(float(area.max()), float(0.25 * np.pi * np.max(life.others.diameter, initial=0.0) ** 2))
     axes.set_ylim(0.0, 1.32 * tallest)
     axes.set_ylabel("junction area (µm²)")
@@ -253,10 +240,7 @@ def _draw_contact(axes: "Axes", life: Life) -> None:
     axes.plot([life.peak_age], [life.real_contact_area], "o", color=INK, ms=4.5, clip_on=False)
     axes.set_ylim(0.0, 1.25 * float(np.nanmax(total, initial=life.real_contact_area)))
     axes.set_ylabel("real contact area (µm²)")
-    where = "the end of the record" if life.peak_distance == life.record_end else "its peak"
-    if life.peak_age == -life.birth_distance:
-        where = "the start of the record"
-    axes.set_title(f"{100.0 * life.area_share:.3g} % of the real contact area at {where}")
+    axes.set_title(f"{100.0 * life.area_share:.3g} % of the real contact area at the dot")
 
 
 def _shade_unknown(axes: "Axes", life: Life) -> None:

@@ -61,7 +61,7 @@ def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **lo
     if found is not None and 0 < found.begin.size <= MOST_SHADED:
         spans = list(zip(found.begin.tolist(), (found.end - found.begin).tolist(), strict=True))
         label = "off the surface" if isinstance(found, Flights) else "stick"
-        shade: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": style.STUCK, "lw": 0.0, "zorder": 0}
+        shade: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": style.PALE, "lw": 0.0, "zorder": 0}
         axes.broken_barh(spans, (0.0, 1.0), label=label, **shade)
     low, high = axes.get_ylim()
     middle = 0.5 * (low + high)

@@ -31,9 +31,6 @@ FAINT: Final = "#9a9a9a"
 PALE: Final = "#e8e8e8"
 """Okabe and Ito's blue is what a run shows, their vermilion what theory says; they differ in grey print too."""
 
-STUCK: Final = (0.90, 0.90, 0.90)
-"""Red, green and blue of the shade for sticks of the slider."""
-
 SERIES: Final[tuple[tuple[str, str], ...]] = (
     ("#04213a", "o"),
     ("#6a1b70", "s"),

@@ -2,11 +2,10 @@
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from html import escape
 from io import BytesIO
 from math import isfinite
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -17,9 +16,9 @@ from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures import Kind
-from rubnoise.figures.catalogue import drawing
+from rubnoise.figures.catalogue import drawing, sweep_drawing
 from rubnoise.figures.fits import contact_figure
-from rubnoise.figures.study import draw_study, key_label, quantities_of, quantity_words, study_of_sweep
+from rubnoise.figures.study import key_label, quantities_of, quantity_words
 from rubnoise.figures.style import PicturesMissing, drawn
 from rubnoise.figures.tracks import Stretch
 from rubnoise.pages.report_words import in_words
@@ -30,6 +29,9 @@ from rubnoise.storage.wave_file import write_wave
 from rubnoise.surface.sliding import SlidingContact
 from rubnoise.tables import as_html
 from rubnoise.web_page import coded, report_page
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CAPTIONS: Final[dict[Kind, str]] = {
     "trace": "Real contact area over the sliding distance, at the beginning of the run.",
@@ -101,28 +103,25 @@ def _paragraphs(sentences: Sequence[str]) -> str:
     return "".join(f"<p>{escape(sentence)}</p>" for sentence in sentences)
 
 
-def _picture(content: bytes, caption: str) -> str:
+def _picture(caption: str, draw: "Callable[..., Figure]", *of: Any, **how: Any) -> str:
+    """Return what a function draws, with a caption; nothing of a run that does not have it."""
+    try:
+        content = drawn(draw, *of, **how)
+    except PicturesMissing:
+        raise
+    except Refused:
+        return ""
     text = escape(caption, quote=True)
     image = f'<img alt="{text}" src="data:image/png;base64,{coded(content)}">'
     return f"<figure>{image}<figcaption>{text}</figcaption></figure>"
 
 
-@contextmanager
-def _left_out_if_refused() -> Iterator[None]:
-    try:
-        yield
-    except Refused as refusal:
-        if isinstance(refusal, PicturesMissing):
-            raise
-
-
 def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
     for name, caption in CAPTIONS.items():
         between()
-        with _left_out_if_refused():  # a run without a slider has no motion to show
-            yield _picture(drawn(drawing, name, stretch), caption)
-            if name == "histogram" and not stretch.has_theory:
-                yield _picture(drawn(drawing, name, stretch, heard="load"), "How often each load occurs.")
+        yield _picture(caption, drawing, name, stretch)
+        if name == "histogram" and not stretch.has_theory:
+            yield _picture("How often each load occurs.", drawing, name, stretch, heard="load")
 
 
 def _sound(file: Reader, between: Between) -> str:
@@ -162,8 +161,7 @@ def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) ->
         between()
         words = quantity_words(quantity)
         caption = f"{words[:1].upper()}{words[1:]}, with 95 % intervals and the exact curve."
-        with _left_out_if_refused():
-            yield _picture(drawn(draw_study, study_of_sweep(sweep.index, sweep.name, quantity)), caption)
+        yield _picture(caption, sweep_drawing, sweep.index, sweep.name, quantity)
 
 
 def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
@@ -197,7 +195,7 @@ def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
     shown = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
     sections = {
         "In numbers": f"<pre>{escape(text)}</pre>",
-        "Pictures": _picture(drawn(contact_figure, contact), f"{shown} autocovariance"),
+        "Pictures": _picture(f"{shown} autocovariance", contact_figure, contact),
         "Sound": _sound_of_area(contact, scenario.get("speed")),
         "Scenario": f"<pre>{escape(contact.scenario_text(**scenario))}</pre>",
     }
