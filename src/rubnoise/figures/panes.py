@@ -97,6 +97,14 @@ def draw_histogram(axes: "Axes", values: Doubles, edges: Doubles, total: int, la
     return density
 
 
+def draw_density(axes: "Axes", x: Doubles, y: Doubles) -> None:
+    """Draw the share of the time in each small box of a plane, in logarithmic shades."""
+    *_, drawn = axes.hist2d(x, y, bins=(180, 140), weights=np.full(x.size, 1.0 / x.size), cmap="Blues", norm="log")
+    drawn.set_rasterized(True)
+    bar = axes.figure.colorbar(drawn, ax=axes, pad=0.02, label="share of the time in a box")
+    style.logarithmic(bar.ax.yaxis)
+
+
 def draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str, mark: tuple[float, str]) -> None:
     """Draw how many values are in bins of equal ratio, and mark their median and a place to compare with."""
     shown, (place, words) = values[values > 0.0], mark
@@ -292,19 +300,22 @@ def expectation(track: Track, seen: Spectrum) -> Doubles | None:
 def draw_expected(axes: "Axes", ratio: "Axes", found: Seen, expected: Doubles, whose: str) -> None:
     """Draw the expectation of an area's estimate, and below the estimate over it in bins, with two standard errors."""
     track, seen = found
-    (turn, _), shared = _turn_and_sides(track), float(shared_variance(seen.ticks, seen.segments, 0)[0])
+    (turn, sides), shared = _turn_and_sides(track), float(shared_variance(seen.ticks, seen.segments, 0)[0])
     error, known = sqrt(shared / seen.segments), expected > ROUNDING * float(expected[FIRST:].max())
     known[:FIRST] = False
     place, values = seen.wavenumber[known] / turn, seen.density[known] / expected[known]
+    look: dict[str, Any] = {"color": VERMILION, "alpha": 0.2, "lw": 0.0}
+    level = sides * expected[known]
+    low, high = level * max(1.0 - 2.0 * error, 0.0), level * (1.0 + 2.0 * error)
+    axes.fill_between(place, low, high, label="± 2 std errors", zorder=1, **look)
     if not track.timed:
-        axes.plot(place, expected[known], color=INK, lw=1.0, ls=(0, (4, 2)), label="expected of the estimate")
+        axes.plot(place, level, color=INK, lw=1.0, ls=(0, (4, 2)), label="expected of the estimate")
     bins = np.floor(BINS_PER_DECADE * np.log10(place / place[0])).astype(np.int64)
     _, first, count = np.unique(bins, return_index=True, return_counts=True)
     middle, mean = np.exp(np.add.reduceat(np.log(place), first) / count), np.add.reduceat(values, first) / count
     near = sum(2.0 * share * np.maximum(1.0 - lag / count, 0.0) for lag, share in NEIGHBOURS.items())
     band = 2.0 * error * np.sqrt((1.0 + near) / count)
-    look: dict[str, Any] = {"color": VERMILION, "alpha": 0.2, "lw": 0.0, "label": "± 2 std errors of a bin"}
-    ratio.fill_between(middle, 1.0 - band, 1.0 + band, **look)
+    ratio.fill_between(middle, 1.0 - band, 1.0 + band, label="± 2 std errors of a bin", **look)
     ratio.axhline(1.0, color=VERMILION, lw=1.0)
     ratio.plot(middle, mean, "o-", color=BLUE, lw=0.7, ms=2.2, label=f"{whose} over expected")
     ratio.set(ylim=(0.0, 2.0 + 2.0 * error), ylabel="ratio", xlabel=axes.get_xlabel())

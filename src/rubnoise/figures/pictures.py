@@ -284,25 +284,24 @@ def draw_motion(figure: "Figure", stretch: Stretch, beside: Stretch | None = Non
 
 
 MOST_ON_A_PATH: Final = 60_000
-"""Rows that are joined to a path; of more it would be a blot, and the pale path is drawn alone."""
+"""Rows that are joined to a path; of more it would be a blot, and their density is drawn alone."""
 
 HEADROOM: Final = 0.06
 """Room above the drive's speed over all speeds."""
 
 
 def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:
-    """Draw the path of a slider in the phase plane, over a pale one of all rows of a longer stretch.
+    """Draw the path of a slider in the phase plane, over the density of all places of a longer stretch.
 
     A slider that sticks is on the horizontal line at the drive's speed V. For a one-way slider the ellipse of the exact
-    standard deviations is drawn. Another run is drawn over the first at the same times, without the pale path.
+    standard deviations is drawn. Another run is drawn over the first at the same times, without the density.
     """
     whole, speeds = (tracks_of(stretch, beside, name) for name in ("displacement", "velocity"))
     shown, axes = at_the_same(whole), figure.subplots()
     first, drive = shown[0], 1e-3 * (stretch.model.sliding_speed or 0.0)
     path = first.last - first.first <= MOST_ON_A_PATH
     if beside is None and (first.ends != whole[0].ends or not path):
-        pale: dict[str, Any] = {"color": "#a9cce3", "lw": 0.4, "rasterized": True, "label": "whole stretch"}
-        axes.plot(whole[0].record(), speeds[0].record(), **pale)
+        panes.draw_density(axes, whole[0].record(), speeds[0].record())
     for track, fast, look in zip(shown, speeds, panes.looks_of(shown), strict=True):
         if path:
             axes.plot(track.record(), fast.between(*first.ends).record(), **look)
