@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.figures.area_pictures import born
+from rubnoise.figures.pictures import born
 from rubnoise.figures.tracks import Stretch
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.moments import share_of

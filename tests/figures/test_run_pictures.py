@@ -12,8 +12,8 @@ from scipy.signal import welch
 
 import rubnoise
 from rubnoise.figures import style
-from rubnoise.figures.area_pictures import covariance_band
 from rubnoise.figures.catalogue import PICTURES, drawing
+from rubnoise.figures.pictures import covariance_band
 from rubnoise.figures.tracks import Stretch
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.motion import response

@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from rubnoise.lesson.page import page
-from rubnoise.lesson.settings import settings_of
 from rubnoise.scenario import load
 from tests.architecture.sources import ROOT
 from tests.lesson.walk import UNHURRIED, Walk
@@ -17,7 +16,7 @@ def lesson_file(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Return the address of the page of the paper's Figure 5."""
     path = tmp_path_factory.mktemp("lesson") / "lesson.html"
     scenario = load(ROOT / "scenarios" / "paper" / "fig5.toml")
-    path.write_text(page(scenario.title, settings_of(scenario)), encoding="utf-8")
+    path.write_text(page(scenario.title, scenario), encoding="utf-8")
     return path.as_uri()
 
 

@@ -12,7 +12,6 @@ from scipy import stats
 import rubnoise
 from rubnoise.lesson.page import page as page_text
 from rubnoise.lesson.page import record_of
-from rubnoise.lesson.settings import settings_of
 from tests.laws.scores import seed_of
 from tests.lesson.node import answer, scenario_of, world_with
 from tests.lesson.walk import CALM, UNHURRIED, opened
@@ -165,7 +164,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[rubnoise.Run]:
 def replaying(browser: Any, run: rubnoise.Run, tmp_path: Path) -> Iterator[Any]:
     """Return the page that replays the run, standing still."""
     file = tmp_path / "replay.html"
-    file.write_text(page_text("a run", settings_of(run.scenario), record_of(run)), encoding="utf-8")
+    file.write_text(page_text("a run", run.scenario, record_of(run)), encoding="utf-8")
     with opened(browser, file.as_uri(), **CALM) as found:
         yield found
 

@@ -8,7 +8,6 @@ import pytest
 import rubnoise
 from rubnoise.lesson.page import page as page_text
 from rubnoise.lesson.page import record_of
-from rubnoise.lesson.settings import settings_of
 from rubnoise.scenario import load
 from tests.architecture.sources import ROOT
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
@@ -23,7 +22,7 @@ SEEN = "rub.run.moments()"
 def two_way_file(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Return the address of the page of the paper's Figure 5 with a slider that pushes back."""
     path = tmp_path_factory.mktemp("lesson") / "two-way.html"
-    path.write_text(page_text("two-way", settings_of(load(TWO_WAY))), encoding="utf-8")
+    path.write_text(page_text("two-way", load(TWO_WAY)), encoding="utf-8")
     return path.as_uri()
 
 
@@ -76,7 +75,7 @@ def test_a_two_way_run_is_replayed(browser: Any, tmp_path: Path) -> None:
         births = run.junctions["birth_distance"][:].tolist()
         motion = run.groups()["slider"]
         ends = float(motion["time"][-1]), float(motion["displacement"][-1])
-        (tmp_path / "replay.html").write_text(page_text("a run", settings_of(run.scenario), record_of(run)))
+        (tmp_path / "replay.html").write_text(page_text("a run", run.scenario, record_of(run)))
     with opened(browser, (tmp_path / "replay.html").as_uri(), **CALM) as page:
         page.evaluate("rub.run.goTo(rub.run.end)")
         assert page.evaluate("rub.run.rows.map((row) => row.birth)") == births

@@ -8,8 +8,7 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import Refused
-from rubnoise.lesson.page import LAWS, half_lag, page
-from rubnoise.lesson.settings import LESSON_SLIDER, settings_of
+from rubnoise.lesson.page import LAWS, LESSON_SLIDER, half_lag, page, settings_of
 from rubnoise.scenario import build
 from rubnoise.scenario import load as load_scenario
 from rubnoise.scenario.reading import load
@@ -205,7 +204,7 @@ BARE = {
 
 
 def text_of(title: str = "a title") -> str:
-    return page(title, settings_of(load_scenario(FIG5)))
+    return page(title, load_scenario(FIG5))
 
 
 @pytest.mark.slow
@@ -228,24 +227,24 @@ def test_a_title_is_text_wherever_it_stands() -> None:
 
 def test_knobs_stand_as_the_scenario_says() -> None:
     world = world_with(births="regular", spread=0.25, calibration="matched", pulse="triangle", damping=0.07, seed=9)
-    settings = settings_of(scenario_of(world, distance=300.0))
-    assert settings.world == world
-    assert (settings.distance, settings.slider_start, settings.borrowed) == (300.0, "equilibrium", ())
+    settings, borrowed = settings_of(scenario_of(world, distance=300.0))
+    assert settings["world"] == world | {"coupling": "one-way"}
+    assert (settings["distance"], settings["sliderStart"], borrowed) == (300.0, "equilibrium", ())
 
 
 def test_passes_off_the_centre_line_stand_as_the_scenario_says() -> None:
     world = world_with(offset="uniform", calibration="matched")
-    assert settings_of(scenario_of(world)).world == world
-    assert '"offset": "uniform"' in page("off", settings_of(scenario_of(world)))
+    assert settings_of(scenario_of(world))[0]["world"] == world | {"coupling": "one-way"}
+    assert '"offset": "uniform"' in page("off", scenario_of(world))
 
 
 def test_what_a_scenario_lacks_is_borrowed_and_said() -> None:
-    settings = settings_of(build(BARE))
-    assert settings.borrowed == ("strength", "sliding.speed", "slider")
-    assert LESSON_SLIDER.items() <= settings.world.items()
-    assert (settings.world["spread"], settings.world["strength"], settings.world["speed"]) == (0.0, 250.0, 1000.0)
+    settings, borrowed = settings_of(build(BARE))
+    assert borrowed == ("strength", "sliding.speed", "slider")
+    assert LESSON_SLIDER.items() <= (world := settings["world"]).items()
+    assert (world["spread"], world["strength"], world["speed"]) == (0.0, 250.0, 1000.0)
     assert "The scenario has no strength and no sliding.speed and no slider: that of the paper&#x27;s Figure 5" in page(
-        "bare", settings
+        "bare", build(BARE)
     )
 
 

@@ -16,7 +16,6 @@ from rubnoise.answer import shown
 from rubnoise.errors import Refused
 from rubnoise.figures.tracks import Stretch
 from rubnoise.pages import run_view
-from rubnoise.pages.run_view import RunView
 from rubnoise.storage.reader import open_run
 from tests.pages.reading import PARTS, answer, data_of
 from tests.shell.terminal import PAPER, call
@@ -161,7 +160,7 @@ REFUSED = (
 
 def page_of(path: Path, *ends: float) -> str:
     with open_run(path) as file:
-        return RunView.of(Stretch.of(file, *ends), path.name).page()
+        return run_view.run_page(run_view.held_by_a_page(Stretch.of(file, *ends)))
 
 
 @pytest.fixture(scope="module")

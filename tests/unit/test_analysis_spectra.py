@@ -171,7 +171,8 @@ TEXTS = {"INAM": "noise of 5 um", "ICMT": "unit=um/s; full_scale=2.5"}
 
 
 def _write(path: Path, values: np.ndarray, panels: int = 3, **options: int) -> None:
-    write_wave(path, np.array_split(values, panels), samples=values.size, rate=48_000, texts=TEXTS, **options)
+    with path.open("w+b") as stream:
+        write_wave(stream, np.array_split(values, panels), samples=values.size, rate=48_000, texts=TEXTS, **options)
 
 
 def _read(path: Path) -> np.ndarray:

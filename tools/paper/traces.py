@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from paper.figures import Sources
 from rubnoise.analysis.selection import neighbours
-from rubnoise.figures.area_pictures import draw_lives
 from rubnoise.figures.panes import draw_along
+from rubnoise.figures.pictures import draw_lives
 from rubnoise.figures.style import BLUE, VERMILION, add_legends, new_figure
 from rubnoise.figures.tracks import Track
 from rubnoise.theory.moments import distribution

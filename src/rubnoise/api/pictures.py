@@ -13,11 +13,9 @@ from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
 from rubnoise.api.trace import Trace
 from rubnoise.errors import Refused, refusing_files
-from rubnoise.figures import style
+from rubnoise.figures import Kind, style
 from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, Appearance, drawing
-from rubnoise.figures.kinds import Kind
-from rubnoise.figures.narrow import NARROW
-from rubnoise.figures.style import STYLES
+from rubnoise.figures.style import NARROW, STYLES
 from rubnoise.figures.tracks import Stretch, prefix_refusals
 from rubnoise.real_numbers import number_in
 from rubnoise.record.reader import Reader

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from rubnoise.analysis.findings import Comparison
     from rubnoise.api.estimates import PowerSpectrum
     from rubnoise.api.trace import Trace
-    from rubnoise.figures.kinds import Kind, Style
+    from rubnoise.figures import Kind, Style
     from rubnoise.model import Model
     from rubnoise.runs.verification import Verification
     from rubnoise.scenario import Scenario

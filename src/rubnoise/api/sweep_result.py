@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rubnoise.analysis.replicates import PooledEstimate
-    from rubnoise.figures.kinds import Style
+    from rubnoise.figures import Style
     from rubnoise.scenario import Scenario
 
 _ROUNDING: Final = 1e-12

@@ -78,10 +78,9 @@ def listen(
             check_length(sound.samples)
         levels = on_one_scale(level_of(sound, between) for sound in sounds)
         for path, sound, level in zip(paths, sounds, levels, strict=True):
-            texts = wave_comments(sound, level)
-            with whole_file(path, force=force) as part:
-                pieces = samples_of(sound, level, between)
-                write_wave(part, pieces, samples=sound.samples, rate=sound.rate, texts=texts)
+            texts, pieces = wave_comments(sound, level), samples_of(sound, level, between)
+            with whole_file(path, force=force) as part, part.open("w+b") as stream:
+                write_wave(stream, pieces, samples=sound.samples, rate=sound.rate, texts=texts)
             show(sound_answer(path, sound, level, others=len(sounds) - 1))
 
 

@@ -119,15 +119,15 @@ def view_page(source: Path, ends: Ends = (None, None)) -> tuple[str, str]:
     """Return a page to explore a result or a sweep, and what it holds in words."""
     from rubnoise.cli.loading import finished_run
     from rubnoise.figures.tracks import Stretch
-    from rubnoise.pages.run_view import RunView
+    from rubnoise.pages.run_view import held_by_a_page, run_page
     from rubnoise.pages.sweep_view import sweep_page
 
     if is_folder(source):
         with rubnoise.open_sweep(source) as sweep:
             return sweep_page(sweep, str(source)), f"{sweep.count('done'):,} runs, "
     with finished_run(source) as run:
-        view = RunView.of(Stretch.of(run, *ends), str(source))
-        return view.page(), f"every tick from {view.stretch.start:g} to {view.stretch.stop:g} um, "
+        shown = held_by_a_page(Stretch.of(run, *ends))
+        return run_page(shown), f"every tick from {shown.start:g} to {shown.stop:g} um, "
 
 
 def report_page(file: Path) -> str:
@@ -150,7 +150,6 @@ def lesson_page(source: Path) -> str:
     """Return a lesson about a scenario; of a finished result its junctions are replayed."""
     from rubnoise.cli.loading import finished_run, is_result, loaded
     from rubnoise.lesson.page import page, record_of
-    from rubnoise.lesson.settings import settings_of
     from rubnoise.scenario import load
 
     record = None
@@ -159,4 +158,4 @@ def lesson_page(source: Path) -> str:
             scenario, record = run.scenario, record_of(run)
     else:
         scenario = loaded(load, source)
-    return page(scenario.title or source.stem, settings_of(scenario), record)
+    return page(scenario.title or source.stem, scenario, record)

@@ -14,7 +14,7 @@ import rubnoise
 from rubnoise.answer import printable
 from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
 from rubnoise.errors import RunFileRefused
-from rubnoise.figures.kinds import Kind, Style
+from rubnoise.figures import Kind, Style
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:

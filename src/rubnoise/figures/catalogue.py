@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rubnoise.analysis.sound import Heard
 from rubnoise.arrays import Doubles
-from rubnoise.figures import area_pictures, slider_pictures, style
-from rubnoise.figures.contact import draw_contact
-from rubnoise.figures.kinds import Kind, Style
-from rubnoise.figures.narrow import fit_labels
+from rubnoise.figures import Kind, Style, pictures, style
+from rubnoise.figures.contact import draw_contact, draw_overview
 from rubnoise.figures.study import draw_study, study_of_sweep
 from rubnoise.figures.tracks import Stretch
 from rubnoise.storage.index import Index
@@ -21,22 +19,22 @@ if TYPE_CHECKING:
 
 
 PICTURES: Final[dict[Kind, tuple[Callable[..., str], float, float]]] = {
-    "trace": (area_pictures.draw_trace, 7.2, 4.6),
-    "lives": (area_pictures.draw_single_lives, 7.2, 5.2),
-    "histogram": (area_pictures.draw_values, 7.2, 3.6),
-    "psd": (area_pictures.draw_psd, 7.2, 5.4),
-    "acf": (area_pictures.draw_acf, 7.2, 3.8),
-    "count": (area_pictures.draw_count, 7.2, 3.4),
-    "slider": (slider_pictures.draw_motion, 7.2, 6.6),
-    "phase": (slider_pictures.draw_phase, 7.2, 4.2),
-    "landmarks": (slider_pictures.draw_landmarks, 7.2, 3.6),
-    "lifelines": (area_pictures.draw_lifelines, 7.2, 5.2),
-    "overview": (slider_pictures.draw_overview, 9.0, 5.4),
-    "sizes": (partial(area_pictures.draw_population, of="sizes"), 7.2, 3.8),
-    "life_distances": (partial(area_pictures.draw_population, of="lives"), 7.2, 3.8),
-    "gaps": (partial(area_pictures.draw_population, of="gaps"), 7.2, 3.8),
+    "trace": (pictures.draw_trace, 7.2, 4.6),
+    "lives": (pictures.draw_single_lives, 7.2, 5.2),
+    "histogram": (pictures.draw_values, 7.2, 3.6),
+    "psd": (pictures.draw_psd, 7.2, 5.4),
+    "acf": (pictures.draw_acf, 7.2, 3.8),
+    "count": (pictures.draw_count, 7.2, 3.4),
+    "lifelines": (pictures.draw_lifelines, 7.2, 5.2),
+    "overview": (draw_overview, 9.0, 5.4),
     "contact": (draw_contact, 7.2, 4.4),
-    "load": (slider_pictures.draw_load, 7.2, 5.4),
+    "slider": (pictures.draw_motion, 7.2, 6.6),
+    "phase": (pictures.draw_phase, 7.2, 4.2),
+    "landmarks": (pictures.draw_landmarks, 7.2, 3.6),
+    "load": (pictures.draw_load, 7.2, 5.4),
+    "sizes": (partial(pictures.draw_population, of="sizes"), 7.2, 3.8),
+    "life_distances": (partial(pictures.draw_population, of="lives"), 7.2, 3.8),
+    "gaps": (partial(pictures.draw_population, of="gaps"), 7.2, 3.8),
 }
 """What draws the panes of each picture into a figure and returns its title; its own width and height in inches."""
 
@@ -58,9 +56,6 @@ class Appearance:
 
 AS_IT_IS: Final = Appearance()
 
-Measured = tuple[str, Doubles, Doubles]
-"""A spectrum of the user's own, to lay over that of a run: its name, places and densities in the picture's units."""
-
 
 def drawing(
     name: Kind,
@@ -68,29 +63,27 @@ def drawing(
     *,
     heard: Heard | None = None,
     beside: Stretch | None = None,
-    measured: Measured | None = None,
+    measured: tuple[str, Doubles, Doubles] | None = None,
     look: Appearance = AS_IT_IS,
     ax: "Axes | None" = None,
 ) -> "Figure":
     """Return a picture of a run as a figure, which a notebook shows; with ``ax``, their whole figure.
 
     heard: the quantity of `psd` and `histogram`, in place of the area; beside: a run that is drawn over
-    the first; measured: a spectrum of the user's; look: its size, its style, and whether it has titles. Raises Refused
-    if a run does not have what the picture shows.
+    the first; measured: name, places and densities of a spectrum of the user's, in the picture's units; look: its size,
+    its style, and whether it has titles. Raises Refused if a run does not have what the picture shows.
     """
     draw, *size = PICTURES[name]
-    options: dict[str, Any] = {} if heard is None else {"of": heard}
-    if beside is not None:
-        options["beside"] = beside
+    options: dict[str, Any] = {"of": heard, "beside": beside}
     with style.house_style(look.style), style.in_place_of(ax) as place:
         figure = style.new_figure(*(look.inches or size)) if place is None else place
+        title = draw(figure, stretch, **{option: each for option, each in options.items() if each is not None})
         whose = f": {style.contact_label(stretch.model)}" if beside is None else f", and over it {beside.name}"
-        style.put_title(figure, *draw(figure, stretch, **options).splitlines(), f"{stretch.name}{whose}")
+        style.put_title(figure, *title.splitlines(), f"{stretch.name}{whose}")
         if measured is not None:
             label, over, density = measured
             figure.axes[0].plot(over, density, color=style.INK, lw=1.0, label=style.shortened(label))
-        if not figure.legends:
-            style.add_legends(figure.axes)
+        style.add_legends(figure.axes)
         _finish(figure, look, fitted=ax is None)
     whole: Figure = figure.figure
     return whole
@@ -112,16 +105,15 @@ def sweep_drawing(index: Index, name: str, what: str | None, *, look: Appearance
     """
     with style.house_style(look.style):
         figure = draw_study(study_of_sweep(index, name, what or first_quantity(index)), look.inches)
-        _finish(figure, look)
+        _finish(figure, look, fitted=True)
         return figure
 
 
-def _finish(figure: "Figure", look: Appearance, *, fitted: bool = True) -> None:
+def _finish(figure: "Figure", look: Appearance, *, fitted: bool) -> None:
     """Remove the titles of a figure that has a caption, and fit its labels into its size."""
     if not look.title:
         figure.suptitle("")
         for axes in figure.axes:
-            axes.set_title("", loc="left")
             axes.set_title("")
     if look.inches is not None and fitted:
-        fit_labels(figure)
+        style.fit_labels(figure)

@@ -1,7 +1,7 @@
-"""Junctions one by one: the contact from above, each pair at its own place; and one life among its neighbours'."""
+"""Junctions one by one: the contact from above, each pair at its own place; a run and one of its lives; one life."""
 
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil, pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -9,10 +9,10 @@ import numpy as np
 from rubnoise.analysis.life import Life
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused
-from rubnoise.figures.style import BLUE, FAINT, INK, PALE, house_style, new_figure, shortened, with_minus
-from rubnoise.figures.tracks import Stretch
+from rubnoise.figures.panes import draw_along, draw_layers
+from rubnoise.figures.style import BLUE, DISTANCE, FAINT, INK, PALE, house_style, new_figure, shortened
+from rubnoise.figures.tracks import Stretch, Track
 from rubnoise.record.rows import JunctionState
 
 if TYPE_CHECKING:
@@ -30,8 +30,6 @@ CELL, MARGIN, ASPECT = (2.9, 1.12), 0.6, 2.2
 """Width and height of a pair's place in diameters of the largest, places left free at an edge, width over height."""
 
 ARC_POINTS: Final = 25
-SHADES: Final = ("#c9dfee", "#0072b2", "#04213a")
-"""From little area to much; a grey printer keeps them in order."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,16 +46,14 @@ class Stage:
     def draw(self, axes: "Axes") -> None:
         """Draw the pairs, their overlaps in shades of area, and signs of births and deaths."""
         from matplotlib.collections import PolyCollection
-        from matplotlib.colors import LinearSegmentedColormap
 
-        pairs, shades = self.junctions, LinearSegmentedColormap.from_list("area", SHADES)
+        pairs = self.junctions
         shift = self.distance - pairs.birth - pairs.half_life
-        touching = np.flatnonzero((self.distance >= pairs.birth) & (self.distance < pairs.death))
-        aside = None if pairs.offset is None else pairs.offset[touching]
-        areas = area_of(pairs.pulse, self.distance - pairs.birth[touching], pairs.diameter[touching], aside)
-        lenses = [self._lens(i, float(shift[i])) for i in touching.tolist()]
+        alive = (pairs.birth <= self.distance) & (self.distance < pairs.death)
+        lenses = [self._lens(row, float(shift[row])) for row in np.flatnonzero(alive).tolist()]
         most = 0.25 * pi * float(pairs.diameter.max(initial=1.0)) ** 2
-        overlaps = PolyCollection(lenses, array=areas, cmap=shades, clim=(0.0, most), lw=0.0, zorder=2)
+        look: dict[str, Any] = {"cmap": "Blues", "clim": (0.0, most), "lw": 0.0, "zorder": 2}
+        overlaps = PolyCollection(lenses, array=pairs.chosen(alive).area(self.distance), **look)
         self._circles(axes, 0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1)
         axes.add_collection(overlaps)
         upper = "upper surface, sliding \N{RIGHTWARDS ARROW}"
@@ -116,17 +112,15 @@ def stage_of(stretch: Stretch, distance: float) -> Stage:
     largest = float(junctions.diameter.max(initial=1.0))
     # Circles that miss the centre lie on either side of the line of motion.
     wide, high = CELL[0] * largest, (1.0 if junctions.offset is None else 2.0) * CELL[1] * largest
-    cells = max(count, 1)
-    sizes = {n: ((n + 2.0 * MARGIN - 0.6) * wide, (ceil(cells / n) + 0.2) * high) for n in range(1, cells + 1)}
-    columns = min(sizes, key=lambda n: max(sizes[n][1], sizes[n][0] / ASPECT))
+    columns = max(1, round(sqrt(count * ASPECT * high / wide)))
     row, column = np.divmod(np.arange(count), columns)
     return Stage(
         junctions=junctions,
         distance=distance,
         x=(column + MARGIN + 0.4 * (row % 2)) * wide,
         y=(row + MARGIN) * high,
-        width=sizes[columns][0],
-        height=sizes[columns][1],
+        width=(columns + 2.0 * MARGIN - 0.6) * wide,
+        height=(max(1, ceil(count / columns)) + 0.2) * high,
     )
 
 
@@ -144,11 +138,54 @@ def draw_contact(figure: "Figure", stretch: Stretch) -> str:
     return f"The contact from above at {distance:,.1f} µm: {words}"
 
 
+WINDOW_LIVES: Final = 4.0
+"""Width of the window around the junction, in its own lives."""
+
+
+def draw_overview(figure: "Figure", stretch: Stretch) -> str:
+    """Draw a run, and the life of one of its junctions: one in its middle, of about the mean diameter.
+
+    Below are force and displacement of its slider, without one area and count beside theory. Raises Refused for a run
+    without junctions.
+    """
+    model, file, middle = stretch.model, stretch.file, 0.5 * (stretch.start + stretch.stop)
+    if not file.rows("junctions"):
+        raise Refused("no junction lives in this run; there is nothing to draw")
+    first = min(stretch.first_born(middle), file.rows("junctions") - 1)
+    last = max(stretch.first_born(middle + model.mean_life_distance), first + 1)
+    diameter = file.column("junctions", "diameter", first, last)
+    number = first + int(np.argmin(np.abs(diameter - model.sizes.moment(1))))
+    ends = (file.column("junctions", name, number, number + 1) for name in ("birth_distance", "death_distance"))
+    birth, death = (float(end[0]) for end in ends)
+    start = max(birth - 0.5 * (WINDOW_LIVES - 1.0) * (death - birth), 0.0)
+    window, age = np.linspace(start, start + WINDOW_LIVES * (death - birth), 1200), np.linspace(0.0, death - birth, 400)
+    alive = neighbours(file, -1, start, float(window[-1]))
+    names = ["area", "count"]
+    if model.slider is not None:
+        names = ["base" if model.slider.excitation == "base" else "force", "displacement"]
+    layout: Any = [["sum", "sum", "life"], *([name] * 3 for name in names)]
+    axes: Any = figure.subplot_mosaic(layout)
+    draw_layers(axes["sum"], window, alive.areas(window), int(np.argmax(alive.rows == number)))
+    axes["sum"].set(xlabel=DISTANCE, ylabel="area (µm²)")
+    area = alive.chosen(alive.rows == number).areas(birth + age)[0]
+    axes["life"].fill_between(age, area, color=INK, alpha=0.18, lw=0.0)
+    axes["life"].plot(age, area, color=INK, lw=2.2)
+    axes["life"].set(xlim=(0.0, age[-1]), xlabel="since its birth (µm)", ylabel="its area (µm²)")
+    axes["life"].set_ylim(bottom=0.0)
+    upper, lower = (Track.of(stretch, name) for name in names)
+    lower = lower.shown()
+    draw_along(axes[names[0]], [upper.between(*lower.ends)], last=False)
+    draw_along(axes[names[1]], [lower])
+    axes[names[0]].sharex(axes[names[1]])
+    for name in names:  # the panes are low
+        axes[name].set_ylabel(axes[name].get_ylabel().replace("contact ", "contact\n").replace("live ", "live\n"))
+    return f"The run at a glance, and the life of junction {number} (black)"
+
+
 MOST_DRAWN: Final = 60
 """Neighbours drawn, evenly chosen in order of birth; of more the picture would be a grey cloud."""
 
 SAMPLES: Final = 401
-UNITS_OF_TIME: Final = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
 
 
 @house_style()
@@ -158,7 +195,7 @@ def draw_life(life: Life, source: str = "") -> "Figure":
     above, below = figure.subplots(2, 1, sharex=True)
     whose = f"Junction {life.number:,}" + (f" of {shortened(source)}" if source else "")
     ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
-    born = f"born at {with_minus(f'{life.birth_distance:,.2f}')} µm{ended}"
+    born = f"born at {life.birth_distance:,.2f} µm{ended}"
     above.set_title(f"{whose}\ndiameter {life.diameter:.4g} µm, {born}", pad=10.0)
     _draw_neighbours(above, life)
     _draw_own(above, life)
@@ -166,22 +203,18 @@ def draw_life(life: Life, source: str = "") -> "Figure":
     for axes in (above, below):
         _shade_unknown(axes, life)
         axes.legend(loc="upper right", ncols=3, frameon=True, fancybox=False, edgecolor="none", framealpha=1.0)
-    _add_times(above, below, life)
     below.set_xlabel("sliding distance since its birth (µm)")
     below.set_xlim(0.0, life.life_distance)
     return figure
 
 
 def _draw_neighbours(axes: "Axes", life: Life) -> None:
-    count = life.others.birth.size
-    drawn = min(count, MOST_DRAWN)
-    age = np.linspace(0.0, life.life_distance, SAMPLES)
-    some = np.zeros(count, dtype=np.bool_)
-    some[np.arange(drawn) * count // max(drawn, 1)] = True
-    areas = life.others.chosen(some).areas(life.birth_distance + age)
+    count, age = life.others.birth.size, np.linspace(0.0, life.life_distance, SAMPLES)
+    some = life.others.chosen(slice(None, None, max(1, ceil(count / MOST_DRAWN))))
+    areas = some.areas(life.birth_distance + age)
     lines = axes.plot(age, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.7)
     if lines:
-        lines[0].set_label("the others" if drawn == count else f"{drawn} of the {count:,} others")
+        lines[0].set_label(f"{len(lines)} of the {count:,} others" if len(lines) < count else "the others")
 
 
 def _draw_own(axes: "Axes", life: Life) -> None:
@@ -189,16 +222,8 @@ def _draw_own(axes: "Axes", life: Life) -> None:
     age, area = curve["distance"] - life.birth_distance, curve["area"]
     axes.fill_between(age, area, color=BLUE, alpha=0.18, lw=0.0)
     axes.plot(age, area, color=BLUE, lw=2.4, label="this junction")
-    axes.plot([life.peak_age], [life.peak_area], "o", color=INK, ms=4.5, zorder=5, clip_on=False)
-    beyond_middle = life.peak_age > 0.5 * life.life_distance
-    axes.annotate(
-        f"{life.peak_area:.4g} µm²" + (", ended here" if life.peak_distance == life.death_distance else ""),
-        (life.peak_age, life.peak_area),
-        xytext=(-6.0 if beyond_middle else 6.0, 5.0),
-        textcoords="offset points",
-        ha="right" if beyond_middle else "left",
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.85},
-    )
+    peak: dict[str, Any] = {"color": INK, "ms": 4.5, "zorder": 5, "clip_on": False}
+    axes.plot([life.peak_age], [life.peak_area], "o", label=f"largest in the record, {life.peak_area:.4g} µm²", **peak)
     tallest = max(float(area.max()), float(0.25 * np.pi * np.max(life.others.diameter, initial=0.0) ** 2))
     axes.set_ylim(0.0, 1.32 * tallest)
     axes.set_ylabel("junction area (µm²)")
@@ -215,32 +240,13 @@ def _draw_contact(axes: "Axes", life: Life) -> None:
     axes.plot([life.peak_age], [life.real_contact_area], "o", color=INK, ms=4.5, clip_on=False)
     axes.set_ylim(0.0, 1.25 * float(np.nanmax(total, initial=life.real_contact_area)))
     axes.set_ylabel("real contact area (µm²)")
-    where = "the end of the record" if life.peak_distance == life.record_end else "its peak"
-    if life.peak_age == -life.birth_distance:
-        where = "the start of the record"
-    axes.set_title(f"{100.0 * life.area_share:.3g} % of the real contact area at {where}")
+    axes.set_title(f"{100.0 * life.area_share:.3g} % of the real contact area at the dot")
 
 
 def _shade_unknown(axes: "Axes", life: Life) -> None:
     """Mark the parts before the start and after the end of the record, where the other live junctions are unknown."""
     start, end = -life.birth_distance, life.record_end - life.birth_distance
-    beyond = [(0.0, start, "before the start"), (end, life.life_distance, "after the end")]
-    beyond = [(first, last, words) for first, last, words in beyond if first < last]
-    # Named in the legend: in the band itself the words would hide curves, or, in a narrow one, the axis beside it.
-    label = ", ".join(words for _, _, words in beyond)
-    for first, last, _ in beyond:
-        axes.axvspan(first, last, facecolor=PALE, edgecolor=FAINT, hatch="//", lw=0.0, zorder=0, label=label)
-        label = "_one entry is enough"
-
-
-def _add_times(above: "Axes", below: "Axes", life: Life) -> None:
-    """Write times since birth on top, in the unit that suits them."""
-    if life.birth_time is None or life.death_time is None or not life.slides_evenly:
-        return
-    whole = life.death_time - life.birth_time
-    unit, factor = next((unit, factor) for unit, factor in UNITS_OF_TIME if whole * factor > 1.0 or unit == "ns")
-    pace = whole * factor / life.life_distance
-    top = above.secondary_xaxis("top", functions=(lambda s: np.multiply(s, pace), lambda t: np.divide(t, pace)))
-    top.set_xlabel(f"time since its birth ({unit})")
-    above.tick_params(labelbottom=True)
-    below.tick_params(labelbottom=True)
+    for first, last, words in ((0.0, start, "before the start"), (end, life.life_distance, "after the end")):
+        if first < last:
+            # Named in the legend: in the band the words would hide curves, or, in a narrow one, the axis beside it.
+            axes.axvspan(first, last, facecolor=PALE, edgecolor=FAINT, hatch="//", lw=0.0, zorder=0, label=words)

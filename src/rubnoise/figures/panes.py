@@ -1,20 +1,27 @@
-"""The kinds of panes that pictures are put together from: curves, histograms, counts, lives and a plane.
+"""The kinds of panes that pictures are put together from: curves, histograms, lives and spectra.
 
 Blue is simulated and vermilion exact; two runs are a broad pale curve and a thin dark one.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from heapq import heappop, heappush
+from math import pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.landmarks import Flights
-from rubnoise.analysis.selection import Neighbours
+from rubnoise.analysis.selection import Neighbours, first_row
+from rubnoise.analysis.spectra import Spectrum, hann, shared_variance, welch
 from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
 from rubnoise.figures import style
+from rubnoise.figures.style import BLUE, FAINT, INK, NEAREST, VERMILION
 from rubnoise.figures.tracks import Track
+from rubnoise.theory.sampling import expected_periodogram, through_window
+from rubnoise.theory.second_order import area_noise
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +33,7 @@ def looks_of(tracks: Sequence[Track]) -> list[dict[str, Any]]:
     Labels distinguish runs by their coupling, or else by the names of their files.
     """
     if len(tracks) == 1:
-        return [{"color": style.BLUE, "lw": 0.9, "label": "simulated"}]
+        return [{"color": BLUE, "lw": 0.9, "label": "simulated"}]
     labels = [f"{track.swings.coupling} coupling" for track in tracks if track.swings is not None]
     if len(set(labels)) < len(tracks):
         labels = [track.stretch.name for track in tracks]
@@ -36,6 +43,9 @@ def looks_of(tracks: Sequence[Track]) -> list[dict[str, Any]]:
 
 # Curves along the run.
 
+MOST_SHADED: Final = 1500
+"""Sticks or flights that are shaded: more would make the whole pane grey."""
+
 
 def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **look: Any) -> None:
     """Draw a quantity of one run or two over place or time, about its exact mean and spread if theory knows them.
@@ -43,60 +53,27 @@ def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **lo
     Sticks of a two-way slider and flights of a free one are shaded; ``last``: whether the axis below has its label.
     """
     first = tracks[0]
-    known = first.quantity.moments(first.model) if len(tracks) == 1 and first.has_theory else None
-    if known is not None:
-        style.exact_band(axes, *known)
+    if len(tracks) == 1 and first.has_theory:
+        style.exact_band(axes, *first.moments())
     for track, own in zip(tracks, looks_of(tracks), strict=True):
         axes.plot(*track.curve(), **(own | look))
-    shade(axes, next((track for track in tracks if track.model.is_two_way), first))
-    axes.set_xlim(first.begin, first.end)
+    found = next((track for track in tracks if track.model.is_two_way), first).landmarks()
+    if found is not None and 0 < found.begin.size <= MOST_SHADED:
+        spans = list(zip(found.begin.tolist(), (found.end - found.begin).tolist(), strict=True))
+        label = "off the surface" if isinstance(found, Flights) else "stick"
+        shade: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": style.PALE, "lw": 0.0, "zorder": 0}
+        axes.broken_barh(spans, (0.0, 1.0), label=label, **shade)
+    low, high = axes.get_ylim()
+    middle = 0.5 * (low + high)
     if first.group == "trace":
-        highest = max(float(axes.dataLim.y1), 0.0)
-        axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * highest))
-    else:
-        low, high = axes.get_ylim()
-        middle = 0.5 * (low + high)
-        if high - low < style.NEAREST * abs(middle):  # what differs by rounding alone: no axis has the digits for less
-            axes.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
-    axes.set_ylabel(first.quantity.label)
+        low, high = 0.0, 1.05 * high
+    elif high - low < NEAREST * abs(middle):  # what differs by rounding alone: no axis has the digits for less
+        low, high = middle - 0.1 * abs(middle), middle + 0.1 * abs(middle)
+    axes.set(xlim=first.ends, ylim=(low, high), ylabel=first.quantity.label)
     if last:
         axes.set_xlabel("time (s)" if first.timed else style.DISTANCE)
     else:
         axes.tick_params(labelbottom=False)
-
-
-MOST_SPANS: Final = 1500
-"""Sticks that are shaded one by one; of more each column of the picture is as dark as their share of it."""
-
-
-def shade(axes: "Axes", track: Track) -> None:
-    """Shade where a two-way slider sticks, or where a slider that may leave its contact is off the surface."""
-    found = track.landmarks()
-    if found is None:
-        return
-    start, width, share = spans(found.begin, found.end, track.begin, track.end)
-    if start.size:
-        axes.broken_barh(
-            list(zip(start.tolist(), width.tolist(), strict=True)),
-            (0.0, 1.0),
-            transform=axes.get_xaxis_transform(),
-            facecolors=[(*style.STUCK, each) for each in share.tolist()],
-            lw=0.0,
-            zorder=0,
-            label="off the surface" if isinstance(found, Flights) else "stick",
-        )
-
-
-def spans(begin: Doubles, end: Doubles, first: float, last: float) -> tuple[Doubles, Doubles, Doubles]:
-    """Return the spans to shade: begins and widths in s, and the share of each that the intervals take."""
-    if begin.size <= MOST_SPANS:
-        return begin, end - begin, np.ones(begin.size)
-    edges = np.linspace(first, last, MOST_SPANS + 1)
-    # The time taken up to each edge is piecewise linear, with kinks where an interval begins or ends.
-    kinks = np.stack([begin, end], axis=-1).ravel()
-    taken = np.stack([np.cumsum(end - begin) - (end - begin), np.cumsum(end - begin)], axis=-1).ravel()
-    share = np.diff(np.interp(edges, kinks, taken)) / np.diff(edges)
-    return edges[:-1], np.diff(edges), np.clip(share, 0.0, 1.0)
 
 
 # Histograms.
@@ -106,87 +83,42 @@ def edges_of(values: Doubles, bins: int) -> Doubles:
     """Return edges of bins from the least value to the largest; values that differ by rounding alone are in one."""
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
     largest = max(abs(low), abs(high))
-    room = (1e-9 if high - low > style.NEAREST * largest else 0.1) * (largest or 1.0)
+    room = (1e-9 if high - low > NEAREST * largest else 0.1) * (largest or 1.0)
     return np.linspace(low - room if low <= 0.0 else max(low - room, 0.0), high + room, bins + 1)
 
 
-def draw_histogram(
-    axes: "Axes", values: Doubles, edges: Doubles, total: int, law: Doubles | None = None, *, band: bool = False
-) -> Doubles:
-    """Draw and return the density of values among ``total``, and draw the exact one of bins of probability ``law``.
-
-    ``band``: whether the values are independent, so that two standard errors of a bin's count are known.
-    """
+def draw_histogram(axes: "Axes", values: Doubles, edges: Doubles, total: int, law: Doubles | None) -> Doubles:
+    """Draw and return the density of values among ``total``, and draw the exact one of bins of probability ``law``."""
     width = np.diff(edges)
     density = np.asarray(np.histogram(values, edges)[0] / (total * width), dtype=np.float64)
-    axes.stairs(density, edges, fill=True, color=style.BLUE, alpha=0.45, lw=0.0, label="simulated")
-    if law is None:
-        return density
-    exact = law / width
-    axes.stairs(exact, edges, color=style.VERMILION, lw=1.4, label="exact")
-    if band:
-        error = 2.0 * np.sqrt(law * (1.0 - law) / total) / width
-        look: dict[str, Any] = {"fill": True, "color": style.VERMILION, "alpha": 0.2, "lw": 0.0}
-        low = np.maximum(exact - error, 0.0)
-        axes.stairs(exact + error, edges, baseline=low, label="± 2 std errors of a bin", **look)
+    axes.stairs(density, edges, fill=True, color=BLUE, alpha=0.45, lw=0.0, label="simulated")
+    if law is not None:
+        axes.stairs(law / width, edges, color=VERMILION, lw=1.4, label="exact")
     return density
-
-
-def mark_mean(axes: "Axes", values: Doubles, label: str) -> None:
-    """Mark the mean of values in their histogram."""
-    axes.axvline(float(values.mean()), color=style.INK, lw=0.8, ls=(0, (4, 3)), label=label)
-
-
-PER_DECADE, MOST_DECADES = 8, 8
-"""Bins for each factor of ten, and factors of ten at most."""
-
-
-def draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str, mark: tuple[float, str]) -> None:
-    """Draw how many values are in bins of equal ratio, and mark a place to compare with; zeros are in the legend."""
-    shown = values[values > 0.0]
-    nothing = values.size - shown.size
-    axes.set(xlabel=f"{label} ({unit})", ylabel=f"number of {what}s")
-    if not values.size:
-        axes.set_ylim(0.0, 1.0)
-        axes.text(0.5, 0.5, f"no {what}s", transform=axes.transAxes, ha="center")
-    if shown.size:
-        edges = ratio_bins(shown)
-        name = f"{values.size:,} {what}{'s' * (values.size != 1)}" + (f", {nothing:,} of them 0" if nothing else "")
-        axes.hist(np.maximum(shown, edges[0]), bins=edges.tolist(), color=style.BLUE, alpha=0.55, lw=0.0, label=name)
-        median = float(np.median(values))
-        axes.axvline(median, color=style.INK, lw=1.2, label=f"median {median:.3g} {unit}")
-        place, words = mark
-        axes.axvline(place, color=style.VERMILION, lw=1.2, ls=(0, (5, 3)), label=words)
-        style.logarithmic(axes.xaxis)
-        axes.set_xlim(min(edges[0], 0.8 * place), max(edges[-1], 1.25 * place))
-    axes.locator_params(axis="y", integer=True)
-
-
-def ratio_bins(values: Doubles) -> Doubles:
-    """Return the edges of bins of equal ratio, which include a power of ten and the largest of some values > 0."""
-    highest = np.ceil(PER_DECADE * np.log10(values.max()) + 1e-9)
-    lowest = max(np.floor(PER_DECADE * np.log10(values.min())), highest - PER_DECADE * MOST_DECADES)
-    return 10.0 ** (np.arange(lowest, highest + 1.0) / PER_DECADE)
-
-
-# The phase plane.
-
-BOXES: Final = (180, 140)
-SHADES: Final = ("#dcebf5", "#0072b2", "#04213a")
-"""From rarely to often; a grey printer keeps them in order."""
 
 
 def draw_density(axes: "Axes", x: Doubles, y: Doubles) -> None:
     """Draw the share of the time in each small box of a plane, in logarithmic shades."""
-    from matplotlib.colors import LinearSegmentedColormap
-
-    shades = LinearSegmentedColormap.from_list("often", SHADES)
-    *_, drawn = axes.hist2d(
-        x, y, bins=BOXES, weights=np.full(x.size, 1.0 / x.size), cmin=0.5 / x.size, cmap=shades, norm="log"
-    )
+    *_, drawn = axes.hist2d(x, y, bins=(180, 140), weights=np.full(x.size, 1.0 / x.size), cmap="Blues", norm="log")
     drawn.set_rasterized(True)
     bar = axes.figure.colorbar(drawn, ax=axes, pad=0.02, label="share of the time in a box")
     style.logarithmic(bar.ax.yaxis)
+
+
+def draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str, mark: tuple[float, str]) -> None:
+    """Draw how many values are in bins of equal ratio, and mark their median and a place to compare with."""
+    shown, (place, words) = values[values > 0.0], mark
+    axes.set(xlabel=f"{label} ({unit})", ylabel=f"number of {what}s")
+    if not shown.size:
+        axes.text(0.5, 0.5, f"no {what}s", transform=axes.transAxes, ha="center")
+        return
+    name, median = f"{values.size:,} {what}{'s' * (values.size != 1)}", float(np.median(values))
+    counts, edges = np.histogram(np.log10(shown), "auto")
+    axes.stairs(counts, 10.0**edges, fill=True, color=BLUE, alpha=0.55, lw=0.0, label=name)
+    axes.axvline(median, color=INK, lw=1.2, label=f"median {median:.3g} {unit}")
+    axes.axvline(place, color=VERMILION, lw=1.2, ls=(0, (5, 3)), label=words)
+    axes.locator_params(axis="y", integer=True)
+    style.logarithmic(axes.xaxis)
 
 
 # Lives.
@@ -198,20 +130,22 @@ LAYER_SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
 """Pale blues of neighbouring layers."""
 
 
-def draw_layers(axes: "Axes", place: Doubles, areas: Doubles, marked: int, colour: str) -> None:
-    """Draw areas, a row for each junction, as layers with their sum on top; one of them has a colour."""
+def draw_layers(axes: "Axes", place: Doubles, areas: Doubles, marked: int) -> None:
+    """Draw areas, a row for each junction, as layers with their sum on top; one of them is black."""
     base = np.zeros(place.size)
     for number, row in enumerate(areas):
-        alive, shade = row > 0.0, colour if number == marked else LAYER_SHADES[number % len(LAYER_SHADES)]
+        alive, shade = row > 0.0, INK if number == marked else LAYER_SHADES[number % len(LAYER_SHADES)]
         axes.fill_between(place[alive], base[alive], (base + row)[alive], color=shade, lw=0.0, rasterized=True)
         base = base + row
-    axes.plot(place, areas.sum(axis=0), color=style.BLUE, lw=1.6, label="their sum, the simulated area")
+    axes.plot(place, areas.sum(axis=0), color=BLUE, lw=1.6, label="their sum, the simulated area")
+    axes.set_xlim(place[0], place[-1])
+    axes.set_ylim(bottom=0.0)
 
 
 def mark_ends(axes: "Axes", lives: Neighbours, births: Doubles, deaths: Doubles) -> None:
     """Mark births by rings and deaths by crosses at heights, if there is room for them."""
     if lives.rows.size <= MOST_MARKED:
-        look: dict[str, Any] = {"color": style.INK, "ls": "", "ms": 3.4 if lives.rows.size <= 100 else 2.4, "mew": 0.8}
+        look: dict[str, Any] = {"color": INK, "ls": "", "ms": 3.4 if lives.rows.size <= 100 else 2.4, "mew": 0.8}
         axes.plot(lives.birth, births, "o", mfc="white", label="birth", **look)
         axes.plot(lives.death, deaths, "x", label="death", **look)
 
@@ -220,16 +154,13 @@ def draw_lanes(axes: "Axes", lives: Neighbours, middle: float) -> None:
     """Draw lives as bars in lanes; those alive at a distance are blue."""
     lane = lanes(lives.birth, lives.death).astype(np.float64)
     highest = max(float(lane.max(initial=0.0)) + 2.0, 3.0)
-    axes.set_ylim(-1.0, highest)
+    axes.set(ylim=(-1.0, highest), yticks=[], ylabel="lives")
     crossed = (lives.birth <= middle) & (middle < lives.death)
-    room = 0.55 * 72.0 * axes.figure.figure.get_figheight() / (highest + 1.0)  # points from lane to lane, about
-    for rows, colour, label in (
-        (~crossed, style.FAINT, "other lives"),
-        (crossed, style.BLUE, f"{crossed.sum()} alive at the line"),
-    ):
-        axes.hlines(lane[rows], lives.birth[rows], lives.death[rows], color=colour, lw=0.7 * room, label=label)
+    width = 0.4 * 72.0 * axes.figure.figure.get_figheight() / (highest + 1.0)  # of a line in points, with room beside
+    looks = (~crossed, FAINT, "other lives"), (crossed, BLUE, f"{crossed.sum()} alive at the line")
+    for rows, colour, label in looks:
+        axes.hlines(lane[rows], lives.birth[rows], lives.death[rows], color=colour, lw=width, label=label)
     mark_ends(axes, lives, lane, lane)
-    axes.set(yticks=[], ylabel="lives")
 
 
 def lanes(birth: Doubles, death: Doubles) -> NDArray[np.int64]:
@@ -243,3 +174,149 @@ def lanes(birth: Doubles, death: Doubles) -> NDArray[np.int64]:
         found[row] = heappop(free) if free else len(alive)
         heappush(alive, (end, int(found[row])))
     return found
+
+
+# Spectra.
+
+FIRST: Final = 2
+"""The first bin that is drawn: the mean that is subtracted from each segment changes those before."""
+
+FEWEST_ROWS: Final = 16
+OF_CONTACT, OF_MOTION = (30, 40.0), (12, 400.0)
+"""Segments at least, and how long one is at most: mean lives of a contact, natural periods of a motion."""
+
+STICKS: Final = 40.0
+"""Mean times from stick to stick that a segment may hold, if that is longer."""
+
+FARTHEST: Final = 40.0
+"""Natural frequencies up to which the spectrum of a motion is shown."""
+
+POINTS, MOST_LINES = 1500, 30
+ROUNDING: Final = 1e-12
+"""Expected density over the largest below which a ratio would be one of rounding errors."""
+
+BINS_PER_DECADE: Final = 24.0
+"""Bins of a ratio over a logarithmic axis: so few that the band of each can be seen."""
+
+NEIGHBOURS: Final = {1: 4.0 / 9.0, 2: 1.0 / 36.0}
+"""Correlation of neighbouring bins under a Hann window, by their distance: the squares of 2/3 and 1/6."""
+
+NATURAL: Final = {"slider": "natural frequency", "load": "contact resonance"}
+Seen = tuple[Track, Spectrum]
+
+
+def spectrum_of(track: Track) -> Spectrum:
+    """Return Welch's two-sided estimate over rad/um or rad/s, in the square of the axis's unit, as far as it is drawn.
+
+    Raises Refused for too few rows, and if nothing but rounding varies.
+    """
+    segments, longest = OF_CONTACT if track.swings is None else OF_MOTION
+    length, (begin, end) = longest / track.natural, track.ends
+    if track.group == "slider" and track.model.is_two_way:
+        turns = [first_row(track.stretch.file, "landmarks", "time", time) for time in (begin, end)]
+        length = max(length, STICKS * 2.0 * (end - begin) / max(turns[1] - turns[0], 1))
+    rows = 2 * (min(2 * (track.last - track.first) // (segments + 1), int(length / track.step)) // 2)
+    if rows < FEWEST_ROWS:
+        needed, unit = FEWEST_ROWS * (segments + 1) / 2 * track.step, "s" if track.timed else "um"
+        raise Refused(f"a spectrum needs {needed:.3g} {unit} or more, with a row every {track.step:.3g} {unit}")
+    seen = welch(track.chunks(), rows, track.step)
+    still = NEAREST * abs(float(track.record().mean()))
+    if track.quantity.column == "velocity":  # whose mean is 0; beside the drive's speed it may be small, but not that
+        still = NEAREST**2 * track.quantity.scale * (track.model.sliding_speed or 0.0)
+    if seen.density.sum() * seen.wavenumber[1] / pi <= still**2:
+        raise Refused(f"the {track.quantity.words} does not vary in this stretch, so it has no spectrum")
+    if track.swings is None:
+        return seen
+    highest = max(2.0 * pi * FARTHEST * track.natural, 10.0 * seen.wavenumber[FIRST]) * (1.0 + 1e-9)
+    shown = seen.wavenumber <= highest
+    return replace(seen, wavenumber=seen.wavenumber[shown], density=seen.density[shown])
+
+
+def draw_spectra(axes: "Axes", found: Sequence[Seen]) -> None:
+    """Draw two-sided densities of a contact over rad/um, or one-sided ones of a motion over Hz, and the exact one."""
+    tracks, (first, seen) = [track for track, _ in found], found[0]
+    turn, sides = _turn_and_sides(first)
+    lowest = min(float(each.wavenumber[FIRST]) for _, each in found) / turn
+    highest = max(float(each.wavenumber[-1]) for _, each in found) / turn
+    if first.swings is not None:
+        axes.axvline(first.natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label=NATURAL[first.group])
+    looks = looks_of(tracks)
+    if len(looks) == 1:
+        looks[0]["label"] = f"simulated ({seen.segments} segments)"
+    for (_, each), look in zip(found, looks, strict=True):
+        axes.plot(each.wavenumber[FIRST:] / turn, sides * each.density[FIRST:], **look)
+    if first.swings is None:  # zeros of the theory lie far below what has a logarithm
+        top = sides * float(seen.density.max())
+        axes.set_ylim(0.1 * sides * float(seen.density.min(where=seen.density > 0.0, initial=top)), 10.0 * top)
+    _draw_exact(axes, next((track for track in tracks if track.has_theory), first), lowest, highest)
+    style.logarithmic(axes.xaxis, axes.yaxis)
+    axes.set(xlim=(lowest, highest), xlabel="frequency (Hz)" if first.timed else "wavenumber (rad/µm)")
+    unit = f"({first.quantity.unit})²" if "/" in first.quantity.unit else f"{first.quantity.unit}²"
+    of_motion = f"spectral density\nof {first.quantity.words} ({unit}/Hz)"
+    axes.set_ylabel(of_motion if first.timed else "two-sided spectral density\n(µm⁴ per rad/µm)")
+
+
+def _turn_and_sides(track: Track) -> tuple[float, float]:
+    """Return wavenumbers to a unit of the axis, and densities to one of the estimate: in time one-sided, over Hz."""
+    return (2.0 * pi, 2.0) if track.timed else (1.0, 1.0)
+
+
+def _draw_exact(axes: "Axes", track: Track, lowest: float, highest: float) -> None:
+    """Draw the exact density, of a two-way slider that of one-way coupling, and what else there is to compare with."""
+    if not track.stretch.has_theory:
+        return
+    (turn, sides), place = _turn_and_sides(track), np.geomspace(lowest, highest, POINTS)
+    if track.swings is not None:
+        place = np.sort(np.append(place, np.linspace(0.8, 1.2, POINTS) * track.natural))
+        place = place[(lowest <= place) & (place <= highest)]
+    try:
+        density, white = track.density(turn * place), track.white(turn * place)
+    except Refused:
+        return
+    if density.any():
+        look: dict[str, Any] = {"lw": 1.0} if track.timed else {"lw": 2.4, "zorder": 1.9}
+        look |= {"label": "exact"} if track.has_theory else {"ls": (0, (4, 2)), "label": "exact, one-way"}
+        axes.plot(place, sides * density, color=VERMILION, **look)
+    for number, line in enumerate(() if track.timed else area_noise(track.model).lines[0][:MOST_LINES]):
+        label = "_one entry is enough" if number else "exact lines"
+        axes.axvline(line, color=VERMILION, lw=0.8, ls=(0, (1, 2)), zorder=0, label=label)
+    if white is not None and white.any():
+        axes.plot(place, sides * white, color=INK, lw=0.8, ls=(0, (1, 1.5)), label="white noise (Kilburn)")
+
+
+def expectation(track: Track, seen: Spectrum) -> Doubles | None:
+    """Return what theory expects of an estimate, bin by bin; None of two-way or free motion, and of lines alone."""
+    if not track.has_theory:
+        return None
+    if not track.timed:
+        return expected_periodogram(track.model, track.step, hann(seen.ticks))[1]
+    try:
+        expected = through_window(track.density, track.step, hann(seen.ticks), seen.density.size - 1)
+    except Refused:
+        return None
+    return expected if expected.any() else None
+
+
+def draw_expected(axes: "Axes", ratio: "Axes", found: Seen, expected: Doubles, whose: str) -> None:
+    """Draw the expectation of an area's estimate, and below the estimate over it in bins, with two standard errors."""
+    track, seen = found
+    (turn, sides), shared = _turn_and_sides(track), float(shared_variance(seen.ticks, seen.segments, 0)[0])
+    error, known = sqrt(shared / seen.segments), expected > ROUNDING * float(expected[FIRST:].max())
+    known[:FIRST] = False
+    place, values = seen.wavenumber[known] / turn, seen.density[known] / expected[known]
+    look: dict[str, Any] = {"color": VERMILION, "alpha": 0.2, "lw": 0.0}
+    level = sides * expected[known]
+    low, high = level * max(1.0 - 2.0 * error, 0.0), level * (1.0 + 2.0 * error)
+    axes.fill_between(place, low, high, label="± 2 std errors", zorder=1, **look)
+    if not track.timed:
+        axes.plot(place, level, color=INK, lw=1.0, ls=(0, (4, 2)), label="expected of the estimate")
+    bins = np.floor(BINS_PER_DECADE * np.log10(place / place[0])).astype(np.int64)
+    _, first, count = np.unique(bins, return_index=True, return_counts=True)
+    middle, mean = np.exp(np.add.reduceat(np.log(place), first) / count), np.add.reduceat(values, first) / count
+    near = sum(2.0 * share * np.maximum(1.0 - lag / count, 0.0) for lag, share in NEIGHBOURS.items())
+    band = 2.0 * error * np.sqrt((1.0 + near) / count)
+    ratio.fill_between(middle, 1.0 - band, 1.0 + band, label="± 2 std errors of a bin", **look)
+    ratio.axhline(1.0, color=VERMILION, lw=1.0)
+    ratio.plot(middle, mean, "o-", color=BLUE, lw=0.7, ms=2.2, label=f"{whose} over expected")
+    ratio.set(ylim=(0.0, 2.0 + 2.0 * error), ylabel="ratio", xlabel=axes.get_xlabel())
+    axes.set_xlabel("")

@@ -84,10 +84,9 @@ class Study:
         places = sorted({spot.place for line in self.lines for spot in line.spots})
         if not self.numeric or len(places) < 3 or places[0] <= 0.0:
             return False
-        if places[-1] > WIDE * places[0]:
-            return True
         ratios, steps = np.diff(np.log(places)), np.diff(places)
-        return bool(np.ptp(ratios) <= _EVEN * ratios.mean() and np.ptp(steps) > _EVEN * steps.mean())
+        even = bool(np.ptp(ratios) <= _EVEN * ratios.mean() and np.ptp(steps) > _EVEN * steps.mean())
+        return even or places[-1] > WIDE * places[0]
 
     def law(self, line: StudyLine) -> str:
         """Return what theory knows of a line, one of LAWS: of a two-way motion the law of weak coupling; or ""."""
@@ -124,6 +123,38 @@ def exact_of(scenario: Scenario, quantity: str) -> float:
         return nan
 
 
+def quantities_of(index: Index) -> tuple[str, ...]:
+    """Return the quantities of a sweep that can be drawn, in the order of a summary."""
+    return tuple(name for name in FIGURE_NAMES if name in index.runs)
+
+
+def study_of_sweep(index: Index, name: str, quantity: str) -> Study:
+    """Return a quantity of a sweep, called by a name, against what is swept, from the runs that are done.
+
+    Raises Refused for a quantity that the sweep does not have, and as `study_of_points`.
+    """
+    known, columns = quantities_of(index), {column: filled.values for column, filled in index.runs.items()}
+    if quantity not in known:
+        raise Refused(f'"{quantity[:40]}": no quantity of this sweep; there are {", ".join(known) or "none yet"}')
+    errors = columns.get(f"{quantity}_standard_error", np.full(columns["point"].size, nan))
+    keys, points = {key: index.points[key] for key in index.keys}, []
+    for number, values in enumerate(index.values):
+        rows, scenario = columns["point"] == number, index.scenario(number)
+        error = errors[rows & np.isfinite(errors)]
+        places = {key: column.values[number] for key, column in keys.items()}
+        points.append(
+            Spot(
+                values=values,
+                numbers={key: float(place) for key, place in places.items() if isinstance(place, np.number)},
+                scenario=scenario,
+                seen=pooled(quantity, columns[quantity][rows].tolist(), float(error[0]) if error.size else nan),
+                exact=exact_of(scenario, quantity),
+            )
+        )
+    units, together = {key: column.about.units for key, column in keys.items()}, index.swept("side_by_side")
+    return study_of_points(points, quantity, title=name, units=units, side_by_side=together)
+
+
 def study_of_points(
     points: Sequence[Spot],
     quantity: str,
@@ -141,16 +172,26 @@ def study_of_points(
     varied = [key for key, count in counts.items() if count > 1]
     if not varied:
         raise Refused("nothing is swept: one point makes no picture; rubnoise info shows its figures")
+    if not any(isfinite(point.seen.value) for point in points):
+        raise Refused(f"{quantity}: no run has it")
     numeric = [key for key in varied if all(key in point.numbers for point in points)]
     key = max(numeric, key=lambda each: counts[each]) if numeric else varied[0]
     together = [each for each in varied if each in side_by_side]
     along = [each for each in together if each != key] if key in together else []
     # Of keys side by side one is enough to distinguish lines.
     others = tuple(each for each in varied if each != key and each not in (along or together[1:]))
-    lines = _lines(points, key, others, quantity if numeric and not along else None, numeric=bool(numeric))
-    if not any(isfinite(spot.seen.value) for line in lines for spot in line.spots):
-        raise Refused(f"{quantity}: no run has it")
-    unit, scale = _written_unit(points, key, units[key]) if numeric else (units[key], 1.0)
+    words = {text: float(n) for n, text in enumerate(dict.fromkeys(str(point.values[key]) for point in points))}
+    spots: dict[str, list[Spot]] = {}
+    for point in points:
+        label = ", ".join(shown_unit(str(point.values[other])) for other in others)
+        place = point.numbers[key] if numeric else words[str(point.values[key])]
+        spots.setdefault(label, []).append(replace(point, place=place))
+    lines = []
+    for label, found in spots.items():
+        inorder = tuple(sorted(found, key=lambda spot: spot.place))
+        through = exact_curve(inorder, key, quantity) if numeric and not along and len(inorder) > 1 else None
+        lines.append(StudyLine(label=label, spots=inorder, curve=through))
+    unit, scale = _written_unit(points, key, units[key])
     return Study(
         title=title,
         quantity=quantity,
@@ -159,7 +200,7 @@ def study_of_points(
         scale=scale,
         others=others,
         numeric=bool(numeric),
-        lines=lines,
+        lines=tuple(lines),
     )
 
 
@@ -168,77 +209,10 @@ WRITTEN: Final = re.compile(rf"((?>{NUMBER})) *([^ ].*)")
 
 def _written_unit(points: Sequence[Spot], key: str, unit: str) -> tuple[str, float]:
     """Return the unit in which all values of a key are written, and the factor to it; else the key's unit and 1."""
-    found = [WRITTEN.fullmatch(str(point.values[key]).strip()) for point in points]
-    units = {each[2] if each else "" for each in found}
-    pairs = [(float(each[1]), point.numbers[key]) for each, point in zip(found, points, strict=True) if each]
-    known = [number / value for number, value in pairs if value != 0.0]
-    return (units.pop(), known[0]) if len(units) == 1 and "" not in units and known else (unit, 1.0)
-
-
-def _lines(
-    points: Sequence[Spot], key: str, others: tuple[str, ...], curve: str | None, *, numeric: bool
-) -> tuple[StudyLine, ...]:
-    """Return the lines in the order of the file; places are numbers of the key, or 0, 1, 2, ... of its words.
-
-    curve: the quantity whose exact curve goes through the points of a line, if there is one.
-    """
-    words = {text: float(n) for n, text in enumerate(dict.fromkeys(str(point.values[key]) for point in points))}
-    spots: dict[str, list[Spot]] = {}
-    for point in points:
-        place = point.numbers[key] if numeric else words[str(point.values[key])]
-        label = ", ".join(shown_unit(str(point.values[other])) for other in others)
-        spots.setdefault(label, []).append(replace(point, place=place))
-    lines = []
-    for label, found in spots.items():
-        inorder = tuple(sorted(found, key=lambda spot: spot.place))
-        through = exact_curve(inorder, key, curve) if curve and len(inorder) > 1 else None  # one point has no curve
-        lines.append(StudyLine(label=label, spots=inorder, curve=through))
-    return tuple(lines)
-
-
-def quantities_of(index: Index) -> tuple[str, ...]:
-    """Return the quantities of a sweep that can be drawn, in the order of a summary."""
-    return tuple(name for name in FIGURE_NAMES if name in index.runs)
-
-
-def study_of_sweep(index: Index, name: str, quantity: str) -> Study:
-    """Return a quantity of a sweep, called by a name, against what is swept, from the runs that are done.
-
-    Raises Refused for a quantity that the sweep does not have, and as `study_of`.
-    """
-    known = quantities_of(index)
-    if quantity not in known:
-        raise Refused(f'"{quantity[:40]}": no quantity of this sweep; there are {", ".join(known) or "none yet"}')
-    return study_of_points(
-        _points(index, quantity),
-        quantity,
-        title=name,
-        units={key: index.runs[key].about.units for key in index.keys},
-        side_by_side=index.swept("side_by_side"),
-    )
-
-
-def _points(index: Index, quantity: str) -> list[Spot]:
-    """Return every point with the quantity in its runs; those that are not done have none."""
-    columns = {name: column.values for name, column in index.runs.items()}
-    point, figures = columns["point"], columns[quantity]
-    errors = columns.get(f"{quantity}_standard_error", np.full(figures.size, nan))
-    numeric = {key: columns[key] for key in index.keys if np.issubdtype(columns[key].dtype, np.number)}
-    found = []
-    for number, values in enumerate(index.values):
-        rows = np.flatnonzero(point == number)
-        known_errors = errors[rows][np.isfinite(errors[rows])]
-        scenario, error = index.scenario(number), float(known_errors[0]) if known_errors.size else nan
-        found.append(
-            Spot(
-                values=values,
-                numbers={key: float(column[rows[0]]) for key, column in numeric.items()},
-                scenario=scenario,
-                seen=pooled(quantity, figures[rows].tolist(), error),
-                exact=exact_of(scenario, quantity),
-            )
-        )
-    return found
+    found = [(WRITTEN.fullmatch(str(point.values[key]).strip()), point.numbers.get(key)) for point in points]
+    units = {each[2] if each else "" for each, _ in found}
+    scales = [float(each[1]) / number for each, number in found if each and number]
+    return (units.pop(), scales[0]) if scales and len(units) == 1 else (unit, 1.0)
 
 
 def shown_unit(unit: str) -> str:
@@ -267,13 +241,17 @@ def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figu
     axes = figure.subplots()
     for number, (line, (colour, marker)) in enumerate(zip(study.lines, cycle(style.SERIES), strict=False)):
         shift = 0.0 if study.numeric else APART * (number - 0.5 * (len(study.lines) - 1))
-        look = {"color": colour, "fmt": marker, **LOOK}
-        if number < MOST_LABELS and line.label:
-            look["label"] = style.one_line(line.label)
         places = shift + study.scale * np.array([spot.place for spot in line.spots])
-        _draw_points(axes, places, line, look)
-        if law := study.law(line):
-            _draw_exact(axes, places, line, study.scale, shift, LAWS[law])
+        values, reach = np.array([(spot.seen.value, spot.seen.reach) for spot in line.spots]).T
+        label = style.one_line(line.label) if number < MOST_LABELS and line.label else "_"
+        known = np.where(np.isfinite(reach), reach, nan)
+        axes.errorbar(places, values, known, color=colour, fmt=marker, label=label, **LOOK)
+        if (law := study.law(line)) and line.curve is not None:
+            across, exact = line.curve
+            axes.plot(study.scale * across + shift, exact, color=style.VERMILION, lw=1.2, zorder=2, ls=LAWS[law])
+        elif law:  # between points there is nothing
+            dashes: dict[str, Any] = {"marker": "_", "ms": 14.0, "mew": 1.4, "ls": "none"}
+            axes.plot(places, [spot.exact for spot in line.spots], color=style.VERMILION, zorder=2, **dashes)
     _label(axes, study)
     _legend(axes, study)
     shown = f"{quantity_words(study.quantity)} over {key_words(study.key)}"
@@ -282,66 +260,42 @@ def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figu
     return figure
 
 
-def _draw_points(axes: "Axes", places: Doubles, line: StudyLine, look: dict[str, Any]) -> None:
-    """Draw points; a point without a known interval is hollow."""
-    values, reach = np.array([(spot.seen.value, spot.seen.reach) for spot in line.spots]).T
-    known, complete = np.isfinite(values), np.isfinite(values) & np.isfinite(reach)
-    if known.any():
-        axes.errorbar(places[complete], values[complete], reach[complete], **look)
-        hollow = {"marker": look["fmt"], "mfc": "none", "mec": look["color"], "ls": "none", "ms": look["ms"]}
-        axes.plot(places[known & ~complete], values[known & ~complete], **hollow)
-
-
-def _draw_exact(axes: "Axes", places: Doubles, line: StudyLine, scale: float, shift: float, dashes: Any) -> None:
-    """Draw the exact curve, or, if between points there is nothing, a dash at each of them."""
-    if line.curve is None:
-        look: dict[str, Any] = {"marker": "_", "ms": 14.0, "mew": 1.4, "ls": "none"}
-        axes.plot(places, [spot.exact for spot in line.spots], color=style.VERMILION, zorder=2, **look)
-    else:
-        across, exact = line.curve
-        axes.plot(scale * across + shift, exact, color=style.VERMILION, lw=1.2, zorder=2, ls=dashes)
-
-
 def _label(axes: "Axes", study: Study) -> None:
-    axes.set_xlabel(key_label(study.key, study.unit))
-    unit = shown_unit(FIGURE_NAMES[study.quantity].unit)
-    axes.set_ylabel(FIGURE_NAMES[study.quantity].words + (f" ({unit})" if unit else ""))
-    values = np.array([value for line in study.lines for spot in line.spots for value in (spot.seen.value, spot.exact)])
-    if study.numeric:
-        _scale(axes, study, values)
-    else:
-        labels = {spot.place: str(spot.values[study.key]) for line in study.lines for spot in line.spots}
-        axes.set_xticks(list(labels), [style.shortened(text, LONGEST_LABEL) for text in labels.values()])
-        axes.margins(x=0.15)
-    if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
-        axes.set_ylim(bottom=0.0)
+    """Name the axes, and label the swept values if they are few and apart.
 
-
-def _scale(axes: "Axes", study: Study, values: Doubles) -> None:
-    """Make axes logarithmic if the points lie so, and then that of a quantity which falls by more than ten.
-
-    The axis of the key labels the values that are swept, if they are few and apart.
+    Axes are logarithmic if the points lie so, and that of the quantity if it then falls by more than ten.
     """
+    unit = shown_unit(FIGURE_NAMES[study.quantity].unit)
+    axes.set_xlabel(key_label(study.key, study.unit))
+    axes.set_ylabel(FIGURE_NAMES[study.quantity].words + (f" ({unit})" if unit else ""))
+    spots = [spot for line in study.lines for spot in line.spots]
+    values = np.array([value for spot in spots for value in (spot.seen.value, spot.exact)])
+    labels = {
+        study.scale * spot.place: str(spot.values[study.key]) for spot in sorted(spots, key=lambda spot: spot.place)
+    }
+    places = np.array([*labels])
     if study.logarithmic:
         style.logarithmic(axes.xaxis)
         if np.nanmin(values) > 0.0 and np.nanmax(values) > TALL * np.nanmin(values):
             style.logarithmic(axes.yaxis)
-    places = study.scale * np.unique([spot.place for line in study.lines for spot in line.spots])
     along = np.log(places) if study.logarithmic else places
-    if places.size > 1 and np.diff(along).min() > CLOSE * np.ptp(along):
-        axes.set_xticks(places, [style.with_minus(f"{place:.4g}") for place in places])
+    if not study.numeric:
+        axes.set_xticks(places, [style.shortened(labels[place], LONGEST_LABEL) for place in places.tolist()])
+        axes.margins(x=0.15)
+    elif places.size > 1 and np.diff(along).min() > CLOSE * np.ptp(along):
+        axes.set_xticks(places, [f"{place:.4g}" for place in places])
         axes.set_xticks([], minor=True)
+    if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
+        axes.set_ylim(bottom=0.0)
 
 
 def _legend(axes: "Axes", study: Study) -> None:
     """Distinguish lines by the values of the other keys; below them stands the exact curve."""
-    points: Any = axes.errorbar([], [], [], **LOOK, color=style.SERIES[0][0], fmt=style.SERIES[0][1])
+    handles: list[Any]
     handles, labels = axes.get_legend_handles_labels()
-    title = None
-    if study.others:
-        title = f"simulated, 95 % interval,\n{style.one_line(', '.join(map(key_words, study.others)))}:"
-    else:
-        handles, labels = [points], ["simulated, 95 % interval"]
+    title = f"simulated, 95 % interval,\n{style.one_line(', '.join(map(key_words, study.others)))}:"
+    if not study.others:
+        handles, labels, title = [*axes.containers], ["simulated, 95 % interval"], ""
     for law in sorted({study.law(line) for line in study.lines} - {""}):
         handles += axes.plot([], [], color=style.VERMILION, lw=1.2, ls=LAWS[law])
         labels.append(law)

@@ -1,4 +1,4 @@
-"""How every figure looks: colours, fonts, titles, legends and the marks of theory.
+"""How every figure looks: colours, fonts, titles, legends, the marks of theory, and labels that fit its size.
 
 Colour-blind readers can distinguish the colours, also in grey print; every axis has its unit.
 """
@@ -6,16 +6,16 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache, partial
+from functools import partial
 from io import BytesIO
 from math import log10
-from textwrap import wrap
+from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
 from rubnoise.errors import Refused, how_to_install
-from rubnoise.figures.kinds import Style
+from rubnoise.figures import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,9 +30,6 @@ VERMILION: Final = "#d55e00"
 FAINT: Final = "#9a9a9a"
 PALE: Final = "#e8e8e8"
 """Okabe and Ito's blue is what a run shows, their vermilion what theory says; they differ in grey print too."""
-
-STUCK: Final = (0.90, 0.90, 0.90)
-"""Red, green and blue of the shade for sticks of the slider."""
 
 SERIES: Final[tuple[tuple[str, str], ...]] = (
     ("#04213a", "o"),
@@ -81,17 +78,12 @@ def new_figure(width: float, height: float) -> "Figure":
 
     To be called, and drawn on, within ``house_style()``. Raises PicturesMissing without matplotlib.
     """
-    figure: Figure = _picture_class()(figsize=(width, height), layout="constrained")
-    return figure
-
-
-@cache
-def _picture_class() -> Any:
-    """Return matplotlib's class of figures, with the method that a notebook needs to show one without pyplot."""
     # Not through pyplot: it would look for a screen and keep every figure of the process.
     from matplotlib.figure import Figure
 
-    return type("Figure", (Figure,), {"_repr_png_": as_bytes, "__doc__": Figure.__doc__})
+    shown_in_notebooks: Any = type("Figure", (Figure,), {"_repr_png_": as_bytes, "__doc__": Figure.__doc__})
+    figure: Figure = shown_in_notebooks(figsize=(width, height), layout="constrained")
+    return figure
 
 
 @contextmanager
@@ -111,10 +103,10 @@ def in_place_of(ax: Any) -> Iterator[Any]:
         meant = "one of them is needed, such as axes[0]" if several else "figure, ax = plt.subplots() makes some"
         raise Refused(f"ax: {type(ax).__name__} is no axes of matplotlib; {meant}")
     figure: Any = ax.figure
-    if figure is None or ax not in figure.axes:
-        raise Refused("ax: these axes left their figure when another picture took their place; give it axes of its own")
-    if ax.get_subplotspec() is None:
-        raise Refused("ax: these axes have no place in a grid; plt.subplots() makes some that have one")
+    if figure is None or ax not in figure.axes or ax.get_subplotspec() is None:
+        raise Refused(
+            "ax: these axes left their figure, or have no place in its grid; plt.subplots() makes some that do"
+        )
     whole = figure.figure
     if whole.get_layout_engine() is None:
         whole.set_layout_engine("constrained")
@@ -187,7 +179,7 @@ def _label(axis: "Axis", value: float, _: int, *, at_power: bool) -> str:
     """Return the label of a power of ten in raised letters, and of values between on an axis that may hold none."""
     low, high = sorted(axis.get_view_interval())
     if low > 0.0 and high < 10.0 * low:
-        has_room = at_power or f"{value:.0e}"[0] not in "679"
+        has_room = at_power or f"{value:e}"[0] in ("25" if high > 2.5 * low else "123458")
         return f"{value:g}" if has_room else ""
     return "10" + str(round(log10(value))).translate(_RAISED) if at_power and value > 0.0 else ""
 
@@ -228,11 +220,6 @@ def contact_label(model: "Model") -> str:
     return held if model.free is None else f"free slider; at constant separation {held}"
 
 
-def with_minus(text: str) -> str:
-    """Return a text with numbers whose hyphens are minus signs, as those of the axes are."""
-    return text.replace("-", "\N{MINUS SIGN}")
-
-
 def one_line(text: str) -> str:
     """Return a text from a file with a space for whatever would break a line or has no shape."""
     return "".join(character if character.isprintable() else " " for character in text).strip()
@@ -248,22 +235,80 @@ def exact_band(axes: "Axes", mean: float, std: float) -> None:
 
 
 def add_legends(panes: Iterable["Axes"]) -> None:
-    """Put a legend above each pane, flush right, where it hides nothing; what a pane before explains is left out."""
+    """Put a legend above each pane, flush right, where it hides nothing; what a pane before explains is left out.
+
+    It has as many columns as the width of its pane has room for.
+    """
+    from matplotlib import font_manager, rcParams
+
+    letter = font_manager.FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 72.0
     explained: set[str] = set()
     for axes in panes:
         named = zip(*axes.get_legend_handles_labels(), strict=True)
         new = {label: handle for handle, label in named if label not in explained}
         if new:
-            columns = fitting_columns(axes.figure.figure, list(new), 4, axes.get_position().width / USUAL_WIDTH)
+            width = axes.figure.figure.get_figwidth() * axes.get_position().width / USUAL_WIDTH
+            columns = int(width / (letter * (max(map(len, new)) * LETTER + HANDLE)))
             above: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
-            axes.legend(list(new.values()), list(new), ncols=columns, **above)
+            axes.legend(list(new.values()), list(new), ncols=min(4, max(1, columns)), **above)
         explained |= set(new)
 
 
-def fitting_columns(figure: "Figure", labels: Sequence[str], most: int, share: float = 1.0) -> int:
-    """Return the number of columns of a legend for which a share of a figure's width has room."""
-    from matplotlib import font_manager, rcParams
+# Labels that fit a picture of a given size: what is longer than its room is broken, and ticks stand apart.
 
-    letter = font_manager.FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 72.0
-    entry = letter * (max(map(len, labels), default=0) * LETTER + HANDLE)
-    return min(most, max(1, int(share * figure.get_figwidth() / entry)))
+NARROW: Final = 120.0 / 25.4
+"""Width in inches below which a picture is narrow, as one column of a journal is: its letters are those of paper."""
+
+_ROUNDS: Final = 4
+_APART: Final = 0.08  # inches
+_BESIDE: Final = 1.3  # widths of a tick's label that it needs
+_WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
+_FREE: Final = 0.94  # of the way from a title to the next pane
+_FEWEST: Final = 8  # characters of a line, however little room there is
+
+
+def fit_labels(figure: "Figure") -> None:
+    """Break labels, titles and entries of legends that are longer than their room, and thin out ticks."""
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+    from matplotlib.text import Text
+
+    if isinstance(layout := figure.get_layout_engine(), ConstrainedLayoutEngine):
+        layout.set(h_pad=_APART)  # so that the lowest tick of a pane stays off the highest of the one below
+    before: list[str] = []
+    for _ in range(_ROUNDS):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of panes without any room, which have it when all is broken
+            figure.draw_without_rendering()
+        boxes = [axes.get_window_extent() for axes in figure.axes]
+        for axes, box in zip(figure.axes, boxes, strict=True):
+            _fit_pane(axes, box, boxes, figure.bbox.width)
+        texts = [text.get_text() for text in figure.findobj(Text)]
+        if texts == before:
+            return
+        before = texts
+
+
+def _fit_pane(axes: "Axes", box: Any, boxes: Sequence[Any], width: float) -> None:
+    """Fit the texts of a pane into its box among those of all panes, in dots, of a figure of a width."""
+    from matplotlib.ticker import MaxNLocator
+
+    left = max((other.x1 for other in boxes if other.x1 <= box.x0), default=0.0)
+    right = min((other.x0 for other in boxes if other.x0 >= box.x1), default=width)
+    middle, beside = 0.5 * (box.x0 + box.x1), sum(other.y0 < box.y1 and box.y0 < other.y1 for other in boxes)
+    axes.set_title(_broken(axes.get_title(loc="left"), axes.title, _FREE * (right - box.x0)))
+    axes.set_xlabel(_broken(axes.get_xlabel(), axes.xaxis.label, 2.0 * min(middle - left, right - middle)))
+    axes.set_ylabel(_broken(axes.get_ylabel(), axes.yaxis.label, box.height))
+    for text in () if (legend := axes.get_legend()) is None else legend.get_texts():
+        text.set_text(_broken(text.get_text(), text, _WORDS * width / beside))
+    if isinstance(axes.xaxis.get_major_locator(), MaxNLocator) and (labels := axes.get_xticklabels()):
+        room = int(box.width / (_BESIDE * max(label.get_window_extent().width for label in labels)))
+        if len(labels) > room + 1:
+            axes.locator_params(axis="x", nbins=max(1, room))
+
+
+def _broken(words: str, like: Any, room: float) -> str:
+    """Return words, broken between them if in the letters of a text they are longer than a room in dots."""
+    most = max(_FEWEST, int(72.0 * room / (LETTER * like.get_fontsize() * like.figure.figure.dpi)))
+    if max(map(len, words.split("\n"))) <= most:
+        return words
+    return fill(" ".join(words.split()), most, break_long_words=False)

@@ -1,15 +1,17 @@
 """What is exact about a model in one picture: distribution, autocovariance, spectrum, and the slider's response."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from math import pi
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from rubnoise.errors import Refused
 from rubnoise.figures import style
-from rubnoise.model import Model, Slider
-from rubnoise.theory.moments import Cumulants, area_cumulants, distribution
+from rubnoise.model import Model
+from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.theory.motion import motion_spectrum, response
 from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach, spectral_density, tail
 
@@ -21,57 +23,54 @@ POINTS: Final = 1200
 REACH: Final = 4.5
 LAGS: Final = 300
 LITTLE: Final = 0.01
-NOTE_COLOUR: Final = "#5a5a5a"
-RARE: Final = 1e-6
 
 
 @style.house_style()
 def theory_figure(model: Model, title: str) -> "Figure":
     """Draw distribution, autocovariance and spectrum of A_r, and the spectrum of a slider's displacement.
 
-    ``title`` says what the model is from.
+    ``title`` says what the model is from. A pane of what theory does not know says so.
     """
     area = area_cumulants(model)
     figure = style.new_figure(7.6, 5.6)
     moments = f"What is exact: real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
     whose = f"{style.shortened(title)}: {style.contact_label(model)}"
     figure.suptitle(f"{moments}\n{whose}", x=0.01, ha="left", fontsize=10.0)
-    rows: Any = [["law", "covariance"], ["spectrum", "spectrum" if model.slider is None else "response"]]
-    axes = figure.subplot_mosaic(rows)
-    _draw_law(axes["law"], model, area)
-    _draw_covariance(axes["covariance"], model)
-    _draw_spectrum(axes["spectrum"], model)
+    panes: dict[str, Callable[[Axes, Model], None]] = {
+        "Distribution": _draw_law,
+        "Autocovariance": _draw_covariance,
+        "Spectral density of the area, two-sided": _draw_spectrum,
+    }
     if model.slider is not None:
-        _draw_response(axes["response"], model, model.slider)
+        panes[f"One-way displacement, std {response(model).displacement_std:.4g} µm"] = _draw_response
+    lower = [*panes][2:]
+    layout: Any = [[*panes][:2], lower * (2 // len(lower))]
+    for heading, axes in figure.subplot_mosaic(layout).items():
+        axes.set_title(heading)
+        try:
+            panes[heading](axes, model)
+        except Refused as refusal:
+            axes.text(0.5, 0.5, fill(str(refusal), 40), transform=axes.transAxes, ha="center", va="center")
+            axes.set(xticks=[], yticks=[])
     return figure
 
 
-def _draw_law(axes: "Axes", model: Model, area: Cumulants) -> None:
-    axes.set_title("Distribution")
-    try:
-        law = distribution(model) if area.std else None
-    except Refused:
-        _write_note(axes, "known for births at random")
-        return
-    if law is None:
-        _write_note(axes, f"always {area.mean:.5g} µm²")
-        return
+def _draw_law(axes: "Axes", model: Model) -> None:
+    area = area_cumulants(model)
+    if not area.std:
+        raise Refused(f"always {area.mean:.5g} µm²")
+    law = distribution(model)
     span = np.linspace(max(0.0, area.mean - REACH * area.std), area.mean + REACH * area.std, POINTS)[1:]
     density = law.density(span)
     bell = np.exp(-0.5 * ((span - area.mean) / area.std) ** 2) / (np.sqrt(2.0 * pi) * area.std)
     axes.plot(span, bell, color=style.FAINT, lw=1.0, ls=(0, (4, 2)), label="normal")
     axes.fill_between(span, density, color=style.VERMILION, alpha=0.15, lw=0.0)
     axes.plot(span, density, color=style.VERMILION, lw=1.6, label="exact")
-    axes.set(
-        xlabel=style.AREA,
-        ylabel="density (1/µm²)",
-        xlim=(0.0 if area.mean < 2.0 * REACH * area.std else None, span[-1]),
-    )
+    first = 0.0 if area.mean < 2.0 * REACH * area.std else span[0]
+    axes.set(xlabel=style.AREA, ylabel="density (1/µm²)", xlim=(first, span[-1]))
     # A density that is singular at 0 must not flatten the rest.
     axes.set_ylim(0.0, min(1.1 * float(density[np.isfinite(density)].max()), 6.0 * float(bell.max())))
     axes.legend(loc="upper right")
-    if law.atom_at_zero > RARE:
-        axes.set_title(f"Distribution; no contact at all: {law.atom_at_zero:.3g}")
 
 
 def _draw_covariance(axes: "Axes", model: Model) -> None:
@@ -79,18 +78,16 @@ def _draw_covariance(axes: "Axes", model: Model) -> None:
     axes.axhline(0.0, color=style.FAINT, lw=0.6)
     axes.plot(lag, autocovariance(model, lag), color=style.VERMILION, lw=1.6)
     axes.axvline(model.mean_life_distance, color=style.FAINT, lw=0.8, ls=(0, (2, 2)), label="mean life")
-    axes.set(title="Autocovariance", xlim=(0.0, lag[-1]), xlabel="lag (µm)", ylabel="covariance (µm⁴)")
+    axes.set(xlim=(0.0, lag[-1]), xlabel="lag (µm)", ylabel="covariance (µm⁴)")
     axes.legend(loc="upper right")
 
 
 def _draw_spectrum(axes: "Axes", model: Model) -> None:
     wavenumber = np.geomspace(0.1, 300.0, POINTS) / model.mean_life_distance
-    axes.set_title("Spectral density of the area, two-sided")
     density = spectral_density(model, wavenumber)
     lines, power = area_noise(model).lines
     if not (density.any() or power.size):
-        _write_note(axes, "nothing varies")
-        return
+        raise Refused("nothing varies")
     if density.any():
         axes.plot(wavenumber, density, color=style.VERMILION, lw=1.6, label="exact")
     if power.size:
@@ -100,7 +97,7 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
     with suppress(Refused):
         level = tail(model, wavenumber)
         below = level < 5.0 * density[0]
-        label = f"tail k{_POWERS[model.pulse.tail[1]]}"
+        label = f"tail k{'⁻⁴' if model.pulse.tail[1] == 4 else '⁻⁵'}"
         axes.plot(wavenumber[below], level[below], color=style.INK, lw=0.8, ls=(0, (4, 2)), label=label)
         # Zeros of the triangle's spectrum would stretch the axis to nowhere.
         axes.set_ylim(0.05 * float(level[-1]), 5.0 * density[0])
@@ -109,27 +106,12 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
     axes.legend(loc="lower left")
 
 
-_POWERS = {4: "⁻⁴", 5: "⁻⁵"}
-
-
-def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
-    spread = response(model).displacement_std
-    axes.set_title(f"One-way displacement, std {spread:.4g} µm")
-    frequency = np.unique(np.append(np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)))
-    frequency *= slider.natural_frequency
-    try:
-        density = 2.0 * motion_spectrum("displacement", model, 2.0 * pi * frequency) if spread else np.zeros(1)
-    except Refused:
-        _write_note(axes, "its spectrum is known for births at random")
-        return
+def _draw_response(axes: "Axes", model: Model) -> None:
+    natural = 0.0 if model.slider is None else model.slider.natural_frequency
+    place = np.unique(np.append(np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS))) * natural
+    density = 2.0 * motion_spectrum("displacement", model, 2.0 * pi * place)
     if not density.any():
-        _write_note(axes, "regular births of one size leave lines alone" if spread else "nothing varies")
-        return
-    axes.plot(frequency, density, color=style.VERMILION, lw=1.6)
+        raise Refused("no spectrum beside lines")
+    axes.plot(place, density, color=style.VERMILION, lw=1.6)
     style.logarithmic(axes.xaxis, axes.yaxis)
-    axes.set(xlim=(frequency[0], frequency[-1]), xlabel="frequency (Hz)", ylabel="µm²/Hz")
-
-
-def _write_note(axes: "Axes", text: str) -> None:
-    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=NOTE_COLOUR)
-    axes.set(xticks=[], yticks=[])
+    axes.set(xlim=(place[0], place[-1]), xlabel="frequency (Hz)", ylabel="µm²/Hz")

@@ -1,9 +1,9 @@
-"""What a picture draws along a run: a stretch of it, quantities with what theory says of them, and the rows of one."""
+"""What a picture draws along a run: a stretch of it, and the rows of a quantity with what theory says of them."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from math import ceil, floor
+from math import ceil, floor, inf
 from typing import Any, Final, Self
 
 import numpy as np
@@ -13,7 +13,7 @@ from rubnoise.analysis.figures import FIGURES
 from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.selection import first_row
 from rubnoise.analysis.spectra import force_spectrum
-from rubnoise.arrays import Doubles, chunk_of_steps
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.style import shortened
 from rubnoise.model import Model, Slider
@@ -42,7 +42,6 @@ class Stretch:
 
     file: Reader
     model: Model
-    title: str
     start: float
     stop: float
     chosen: bool
@@ -50,15 +49,9 @@ class Stretch:
     @classmethod
     def of(cls, file: Reader, start: float | None = None, stop: float | None = None) -> Self:
         """Return a stretch of an open result, all of it by default; raises Refused if it has fewer than two ticks."""
-        model = stored(file.provenance["scenario_resolved"]).model()
-        found = cls(
-            file=file,
-            model=model,
-            title=str(file.attributes["title"]),
-            start=0.0 if start is None else start,
-            stop=model.distance if stop is None else min(stop, model.distance),
-            chosen=not (start is None and stop is None),
-        )
+        model, chosen = stored(file.provenance["scenario_resolved"]).model(), not (start is None and stop is None)
+        end = model.distance if stop is None else min(stop, model.distance)
+        found = cls(file=file, model=model, start=start or 0.0, stop=end, chosen=chosen)
         ends = f"{found.start:g} to {found.stop:g} um"
         if not 0.0 <= found.start < found.stop:
             raise Refused(f"nothing lies in {ends}; the run goes from 0 to {model.distance:g} um")
@@ -83,9 +76,7 @@ class Stretch:
 
     def narrowed(self, width: float) -> Self:
         """Return the stretch itself if the user chose it, else its beginning of a width in um."""
-        if self.chosen or self.stop - self.start <= width:
-            return self
-        return replace(self, stop=self.start + width)
+        return self if self.chosen else replace(self, stop=min(self.stop, self.start + width))
 
     def whole(self) -> Self:
         """Return the whole run."""
@@ -98,36 +89,23 @@ class Stretch:
         when it first reaches them.
         """
         if group == "slider" and self.model.is_two_way:
-            return self._passages()
+            beyond = inf if self.stop >= self.model.distance else float(np.nextafter(self.stop, inf))
+            return self._passage(self.start), self._passage(beyond)
         first = ceil(self.start / self.model.tick - SLACK)
         last = floor(self.stop / self.model.tick + SLACK) + 1
         return first, min(last, self.file.rows(group))
 
-    def _passages(self) -> tuple[int, int]:
-        """Return the rows of a two-way /slider from its first at the start to the last before it passes the stop.
-
-        It may run back, so that its distances are in no order.
-        """
-        rows, first = self.file.rows("slider"), 0 if self.start == 0.0 else None
-        if first == 0 and self.stop >= self.model.distance:
-            return 0, rows
-        for chunk in chunks(self.file, "slider"):
-            if first is None and (reached := np.flatnonzero(chunk["distance"] >= self.start)).size:
-                first = chunk.first + int(reached[0])
-            if (passed := np.flatnonzero(chunk["distance"] > self.stop)).size:
-                last = chunk.first + int(passed[0])
-                return last if first is None else first, last
-        return rows if first is None else first, rows
+    def _passage(self, distance: float) -> int:
+        """Return the first row at which a two-way slider, which may run back, is at a distance in um or beyond it."""
+        passed = ((chunk.first, chunk["distance"] >= distance) for chunk in chunks(self.file, "slider"))
+        return next((first + int(np.argmax(there)) for first, there in passed if there.any()), self.file.rows("slider"))
 
 
-def lowest_and_highest(chunks: Iterable[NDArray[Any]], step: int) -> tuple[Doubles, Doubles]:
-    """Return the lowest and the highest values of each ``step`` rows; chunks hold a whole number of steps."""
-    low, high = [], []
-    for chunk in chunks:
-        starts = np.arange(0, chunk.size, step)
-        low.append(np.minimum.reduceat(chunk, starts))
-        high.append(np.maximum.reduceat(chunk, starts))
-    return np.concatenate(low).astype(np.float64), np.concatenate(high).astype(np.float64)
+def lowest_and_highest(values: NDArray[Any], step: int) -> tuple[Doubles, Doubles]:
+    """Return the lowest and the highest values of each ``step`` rows."""
+    starts = np.arange(0, values.size, step)
+    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+    return low.astype(np.float64), high.astype(np.float64)
 
 
 LIVES, PERIODS, STICKS = 40.0, 20.0, 20
@@ -136,7 +114,7 @@ LIVES, PERIODS, STICKS = 40.0, 20.0, 20
 
 @dataclass(frozen=True, slots=True)
 class DrawnColumn:
-    """A column along a run: its group, its unit on an axis, and what theory says of it; ``stem`` begins its figures."""
+    """A column along a run: its group, and its unit on an axis; the names of its figures begin with ``stem``."""
 
     words: str
     group: str
@@ -153,31 +131,6 @@ class DrawnColumn:
     def label(self) -> str:
         """Label of an axis."""
         return f"{self.words} ({self.unit})" if self.unit else self.words
-
-    def moments(self, model: Model) -> tuple[float, float]:
-        """Return the exact mean and standard deviation in the unit of the axis; raises Refused if theory has none."""
-        if self.stem == BASE:
-            area = area_cumulants(model)
-            return self.scale * model.base_per_area * area.mean, self.scale * model.base_per_area * area.std
-        mean = EXACT.get(f"{self.stem}_mean")
-        return self.scale * (mean(model) if mean else 0.0), self.scale * EXACT[f"{self.stem}_std"](model)
-
-    def density(self, model: Model, place: Doubles) -> Doubles:
-        """Return the exact two-sided density per rad/um, or per rad/s of what moves, in the square of the axis's unit.
-
-        Raises Refused if theory has none.
-        """
-        if self.group == "trace":
-            return self.scale**2 * spectral_density(model, place)
-        found = force_spectrum(model, place) if self.stem == FORCE else motion_spectrum(self.stem, model, place)
-        return self.scale**2 * found
-
-    def white(self, model: Model, angular_frequency: Doubles) -> Doubles | None:
-        """Return the density of white noise of the same level at low frequency (Kilburn); None if it is of no use."""
-        slider = model.slider
-        if self.group != "slider" or slider is None or model.separation is not None or slider.excitation == "base":
-            return None
-        return self.scale**2 * white_spectrum(self.stem, model, angular_frequency)
 
 
 EXACT: Final = {figure.name: figure.exact for figure in FIGURES}
@@ -198,19 +151,13 @@ QUANTITIES: Final[Mapping[str, DrawnColumn]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Track:
-    """Rows ``first`` to before ``last`` of a quantity in a stretch, ``step`` um or, with ``timed``, s apart.
-
-    ``swings`` is the oscillator: the mass on its spring, or under a load the mass on its contact; None for a contact.
-    """
+    """Rows ``first`` to before ``last`` of a quantity in a group of a stretch, evenly apart in distance or in time."""
 
     stretch: Stretch
     quantity: DrawnColumn
     group: str
     first: int
     last: int
-    step: float
-    timed: bool
-    swings: Slider | None
 
     @classmethod
     def of(cls, stretch: Stretch, name: str) -> Self:
@@ -219,33 +166,24 @@ class Track:
         The friction force of a run without a slider is the one that would drive a slider.
         """
         quantity, model, columns = QUANTITIES[name], stretch.model, stretch.file.columns
-        group, timed = quantity.group, quantity.group != "trace"
+        group = quantity.group
         if name == "force" and model.slider is None and quantity.column in columns["trace"]:
             group = "trace"
-        held = None if model.held is None else model.held.oscillator
-        swings = {"slider": model.slider, "load": held}.get(group)
-        if group == "trace" and timed and model.sliding_speed is None:
+        if group == "trace" != quantity.group and model.sliding_speed is None:
             raise Refused("the run has no times; sliding.speed in its scenario would give them")
+        swings = model.slider if group == "slider" else model.held
         if group not in columns or (group != "trace" and (swings is None or model.sliding_speed is None)):
             what = "slider" if group == "slider" else "load that weighs"
             raise Refused(f"the run has no {what} to draw; [{group}] in its scenario would give it one")
         if quantity.column not in columns[group]:
             words = quantity.column.replace("_", " ")
             raise Refused(f"the run has no {words} to draw; [strength] in its scenario would give it one")
-        (first, last), step = stretch.rows(group), model.tick / ((timed and model.sliding_speed) or 1.0)
+        first, last = stretch.rows(group)
+        found = cls(stretch=stretch, quantity=quantity, group=group, first=first, last=last)
         if last - first < 2:
             ends = f"{stretch.start:g} to {stretch.stop:g} um"
-            raise Refused(f"the slider passes {ends} in less than the {step:.3g} s between two rows of /{group}")
-        return cls(
-            stretch=stretch,
-            quantity=quantity,
-            group=group,
-            first=first,
-            last=last,
-            step=step,
-            timed=timed,
-            swings=swings,
-        )
+            raise Refused(f"the slider passes {ends} in less than the {found.step:.3g} s between two rows of /{group}")
+        return found
 
     @property
     def model(self) -> Model:
@@ -253,37 +191,42 @@ class Track:
         return self.stretch.model
 
     @property
+    def timed(self) -> bool:
+        """Whether the quantity is drawn over time in s, and not over distance in um."""
+        return self.quantity.group != "trace"
+
+    @property
+    def step(self) -> float:
+        """Distance or time from one row to the next."""
+        return (self.timed and self.model.tick_duration) or self.model.tick
+
+    @property
+    def swings(self) -> Slider | None:
+        """The mass on its spring, or under a load the mass on its contact; None for a contact."""
+        if self.group == "load" and self.model.held is not None:
+            return self.model.held.oscillator
+        return self.model.slider if self.group == "slider" else None
+
+    @property
     def natural(self) -> float:
         """The natural frequency in Hz of what swings; for a contact one per mean life, in 1/um or Hz."""
-        speed = self.model.sliding_speed if self.timed else None
-        return (speed or 1.0) / self.model.mean_life_distance if self.swings is None else self.swings.natural_frequency
+        if self.swings is not None:
+            return self.swings.natural_frequency
+        return ((self.timed and self.model.sliding_speed) or 1.0) / self.model.mean_life_distance
 
     @property
-    def begin(self) -> float:
-        """Place of the first row in um, or its time in s."""
-        return self.step * self.first
-
-    @property
-    def end(self) -> float:
-        """Place of the last row in um, or its time in s."""
-        return self.step * (self.last - 1)
+    def ends(self) -> tuple[float, float]:
+        """Places of the first and the last row in um, or their times in s."""
+        return self.step * self.first, self.step * (self.last - 1)
 
     def shown(self) -> Self:
         """Return what a curve shows: a stretch that the user chose, else some lives, periods or sticks."""
         if self.stretch.chosen:
             return self
-        length = (LIVES if self.swings is None else PERIODS) / self.natural
-        if self.group == "slider" and self.model.is_two_way:
-            length = max(length, self._until_some_stuck())
-        return self.between(self.begin, self.begin + length)
-
-    def _until_some_stuck(self) -> float:
-        """Return the time in s until some sticks are over; of fewer all, and 0 if nothing sticks."""
-        file = self.stretch.file
-        wanted, there = first_row(file, "landmarks", "time", self.begin) + 2 * STICKS, file.rows("landmarks")
-        if wanted >= there:
-            return self.end - self.begin if there else 0.0
-        return float(file.column("landmarks", "time", wanted, wanted + 1)[0]) - self.begin
+        (begin, end), length = self.ends, (LIVES if self.swings is None else PERIODS) / self.natural
+        if self.group == "slider" and isinstance(found := self.landmarks(), Sticks) and found.end.size:
+            length = max(length, (float(found.end[STICKS - 1]) if found.end.size >= STICKS else end) - begin)
+        return self.between(begin, begin + length)
 
     def between(self, begin: float, end: float) -> Self:
         """Return the rows between two places or times, up to the end of the run; raises Refused for fewer than two."""
@@ -291,67 +234,80 @@ class Track:
         first = min(round(begin / self.step), rows)
         last = min(max(round(end / self.step) + 1, first + 2), rows)
         if last - first < 2:
-            raise Refused(f"the run is over before {begin:g} {'s' if self.timed else 'um'}")
+            raise Refused(f"{self.stretch.name} is over before {begin:g} {'s' if self.timed else 'um'}")
         return replace(self, first=first, last=last)
 
     def curve(self) -> tuple[Doubles, Doubles]:
         """Return places or times and values as on the axes; of many rows only the extremes of each few."""
-        file, column, ends = self.stretch.file, self.quantity.column, (self.first, self.last)
-        few = ceil((self.last - self.first) / MOST_POINTS)
-        if few <= 2:
-            row, value = np.arange(*ends, dtype=np.float64), file.column(self.group, column, *ends).astype(np.float64)
-        else:
-            # The lowest and the highest of twice as many rows make as many points.
-            few *= 2
-            row = np.repeat(np.arange(*ends, few) + 0.5 * (few - 1), 2)
-            chunks = column_chunks(file, self.group, column, *ends, size=chunk_of_steps(few))
-            value = np.stack(lowest_and_highest(chunks, few), axis=-1).ravel()
-        return self.step * row, self.quantity.scale * value
+        values = self.stretch.file.column(self.group, self.quantity.column, self.first, self.last)
+        row, few = np.arange(self.first, self.last, dtype=np.float64), ceil(values.size / MOST_POINTS)
+        if few > 2:
+            few *= 2  # the lowest and the highest of twice as many rows make as many points
+            row = np.repeat(row[::few] + 0.5 * (few - 1), 2)
+            values = np.stack(lowest_and_highest(values, few), axis=-1).ravel()
+        return self.step * row, self.quantity.scale * values
 
-    def chunks(self) -> Iterator[NDArray[Any]]:
+    def chunks(self) -> Iterator[Doubles]:
         """Yield the values as on the axis in arrays of some rows."""
         for chunk in column_chunks(self.stretch.file, self.group, self.quantity.column, self.first, self.last):
             yield self.quantity.scale * chunk
 
     def record(self) -> Doubles:
         """Return the values as on the axis, or their beginning if there are more than a picture needs."""
-        last = min(self.last, self.first + MOST_READ)
-        values = self.stretch.file.column(self.group, self.quantity.column, self.first, last)
-        return self.quantity.scale * values.astype(np.float64)
+        return np.concatenate([*replace(self, last=min(self.last, self.first + MOST_READ)).chunks()])
 
     @property
     def has_theory(self) -> bool:
         """Whether theory may know the quantity: not for free motion, and of the contact alone with two-way coupling."""
         return self.stretch.has_theory and not (self.group == "slider" and self.model.is_two_way)
 
+    def moments(self) -> tuple[float, float]:
+        """Return the exact mean and standard deviation as on the axis; raises Refused if theory has none."""
+        stem, model, scale = self.quantity.stem, self.model, self.quantity.scale
+        if stem == BASE:
+            area = area_cumulants(model)
+            return model.base_per_area * area.mean, model.base_per_area * area.std
+        mean = EXACT.get(f"{stem}_mean")
+        return scale * (mean(model) if mean else 0.0), scale * EXACT[f"{stem}_std"](model)
+
+    def density(self, place: Doubles) -> Doubles:
+        """Return the exact two-sided density per rad/um, or rad/s of what has times, in the square of the axis's unit.
+
+        Raises Refused if theory has none.
+        """
+        stem, model = self.quantity.stem, self.model
+        if not self.timed:
+            return spectral_density(model, place)
+        found = force_spectrum(model, place) if stem == FORCE else motion_spectrum(stem, model, place)
+        return self.quantity.scale**2 * found
+
+    def white(self, angular_frequency: Doubles) -> Doubles | None:
+        """Return the density of white noise of the same level at low frequency (Kilburn); None if it is of no use."""
+        model, slider = self.model, self.swings
+        if self.group != "slider" or slider is None or slider.excitation == "base" or model.separation is not None:
+            return None
+        return self.quantity.scale**2 * white_spectrum(self.quantity.stem, model, angular_frequency)
+
     def landmarks(self) -> Sticks | Flights | None:
         """Return sticks and slips, or flights and impacts; None for what does neither. Of very many the first."""
-        file, ends = self.stretch.file, (self.begin, self.end)
         if self.timed and self.model.free is not None:
-            return Flights.of(file, *ends, MOST_READ)
-        return Sticks.of(file, *ends, MOST_READ) if self.timed and self.model.is_two_way else None
+            return Flights.of(self.stretch.file, *self.ends, MOST_READ)
+        return Sticks.of(self.stretch.file, *self.ends, MOST_READ) if self.timed and self.model.is_two_way else None
 
 
 def tracks_of(stretch: Stretch, beside: Stretch | None, name: str) -> list[Track]:
     """Return a quantity in a stretch, and in that of a run drawn over it; raises Refused for runs without it."""
-    first = Track.of(stretch, name)
-    if beside is None:
-        return [first]
-    with prefix_refusals(f"--with {beside.file.path}"):
-        return [first, Track.of(beside, name)]
+    found = [Track.of(stretch, name)]
+    if beside is not None:
+        with prefix_refusals(f"--with {beside.file.path}"):
+            found.append(Track.of(beside, name))
+    return found
 
 
 def at_the_same(tracks: Sequence[Track]) -> list[Track]:
-    """Return the shown part of the first track, and the same times of the others.
-
-    Raises Refused if one of them is over before the first begins.
-    """
+    """Return the shown part of the first track, and the same times of the others; raises Refused if one ends before."""
     first = tracks[0].shown()
-    shown = [first]
-    for other in tracks[1:]:
-        with prefix_refusals(f"--with {other.stretch.file.path}"):
-            shown.append(other.between(first.begin, first.end))
-    return shown
+    return [first, *(other.between(*first.ends) for other in tracks[1:])]
 
 
 @contextmanager

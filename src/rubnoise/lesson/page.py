@@ -12,9 +12,11 @@ from scipy.optimize import brentq
 
 from rubnoise.api.run import Run
 from rubnoise.api.running import simulate
+from rubnoise.contact.births import PoissonBirths, RegularBirths
+from rubnoise.contact.distributions import Fixed, Normal
+from rubnoise.errors import Refused
 from rubnoise.inference.inference import infer_signal
 from rubnoise.inference.signal import Signal
-from rubnoise.lesson.settings import LessonSettings
 from rubnoise.lesson.tables import tables
 from rubnoise.record.rows import JunctionState
 from rubnoise.scenario import Scenario
@@ -32,21 +34,16 @@ _LAST: Final = "main"
 """Parts of the script that others build on come first, and the one that begins comes last."""
 
 
-def page(title: str, settings: LessonSettings, record: dict[str, Any] | None = None) -> str:
-    """Return the text of the page for a title, settings, and the junctions of a run if there is one.
+def page(title: str, scenario: Scenario, record: dict[str, Any] | None = None) -> str:
+    """Return the text of the page for a title, a scenario, and the junctions of a run if there is one.
 
-    It makes no requests: styles, script and data stand in it, and its policy forbids every request.
+    It makes no requests: styles, script and data stand in it, and its policy forbids every request. Raises Refused as
+    `settings_of`.
     """
-    data = {
-        "title": title,
-        "world": settings.world | {"coupling": settings.coupling},
-        "distance": settings.distance,
-        "sliderStart": settings.slider_start,
-        "record": record,
-        "readings": readings(),
-    }
+    settings, borrowed = settings_of(scenario)
+    data = {"title": title, **settings, "record": record, "readings": readings()}
     styles = [_short(part(_HERE, name)) for name in _names(".css")]
-    missing = " and no ".join(settings.borrowed)
+    missing = " and no ".join(borrowed)
     subtitle = f"The scenario has no {missing}: that of the paper's Figure 5 stands in." if missing else ""
     body = filled(
         part(_HERE, "page.html"),
@@ -70,6 +67,51 @@ def _names(ending: str) -> list[str]:
 def _short(text: str) -> str:
     """Return a text without the spaces at the beginning of lines, a tenth of the page."""
     return "\n".join(line.lstrip() for line in text.splitlines())
+
+
+LESSON_STRENGTH: Final = 250.0
+LESSON_SPEED: Final = 1000.0
+LESSON_SLIDER: Final = {"mass": 0.005, "stiffness": 300.0, "damping": 0.05}
+"""Strength (MPa), speed (um/s) and slider (kg, N/m, N s/m) of the paper's Figure 5, if a scenario has none."""
+
+
+def settings_of(scenario: Scenario) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Return the knobs of the page as a scenario sets them, with the distance of its run in um and its slider's start.
+
+    Beside them are the tables that the scenario lacks and that were taken from the paper's Figure 5. Raises Refused for
+    sizes that are neither equal nor normal, for strengths that differ, for births that are neither random nor regular,
+    and for other lives than lenses off the centre line: the page cannot draw them.
+    """
+    model = scenario.model()
+    sizes, strengths, slider = model.sizes, model.strengths, model.slider
+    known = {
+        "passes off the centre line of lenses alone (pulse.offset)": model.pulse.offset == "none"
+        or model.pulse.shape == "lens",
+        "poisson and regular births alone (birth.law)": isinstance(model.births, PoissonBirths | RegularBirths),
+        "fixed and normal diameters alone (diameter.law)": isinstance(sizes, Fixed | Normal),
+        "equal strengths alone (strength.law)": strengths is None or isinstance(strengths, Fixed),
+    }
+    for what, holds in known.items():
+        if not holds:
+            raise Refused(f"the page of lessons knows {what}")
+    world = {
+        "meanArea": model.mean_real_contact_area,
+        "meanCount": model.mean_junction_count,
+        "spread": sizes.std if isinstance(sizes, Normal) else 0.0,
+        "births": "regular" if isinstance(model.births, RegularBirths) else "poisson",
+        "pulse": model.pulse.shape,
+        "offset": model.pulse.offset,
+        "calibration": model.calibration,
+        "speed": model.sliding_speed or LESSON_SPEED,
+        "strength": LESSON_STRENGTH if strengths is None else strengths.mean,
+        **({name: getattr(slider, name) for name in LESSON_SLIDER} if slider else LESSON_SLIDER),
+        "seed": scenario.run.seed,
+        "coupling": "two-way" if model.is_two_way else "one-way",
+    }
+    lacking = {"strength": strengths, "sliding.speed": model.sliding_speed, "slider": slider}
+    start = slider.start if slider else "equilibrium"
+    borrowed = tuple(name for name, found in lacking.items() if found is None)
+    return {"world": world, "distance": model.distance, "sliderStart": start}, borrowed
 
 
 LAWS: Final = ("normal", "lognormal", "exponential")

@@ -1,9 +1,7 @@
 """Common parts of the pages of runs and sweeps: styles and scripts around a template."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 from rubnoise.record.reader import Reader
@@ -34,14 +32,6 @@ def side_by_side(pages: Mapping[str, str]) -> str:
         scripts=[*script_parts(HERE, ["beside"]).values()],
         data={},
     )
-
-
-def written(write: Callable[[Path], None]) -> bytes:
-    """Return what is written into a file."""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "part"
-        write(path)
-        return path.read_bytes()
 
 
 def last_time(file: Reader, group: str) -> float:

@@ -1,11 +1,11 @@
 """Reports of a run, a sweep or two surfaces: words, figures beside exact values, pictures, sound and origin."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from html import escape
+from io import BytesIO
 from math import isfinite
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -13,15 +13,15 @@ from rubnoise.analysis.findings import from_attributes
 from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.catalogue import drawing
+from rubnoise.figures import Kind
+from rubnoise.figures.catalogue import drawing, sweep_drawing
 from rubnoise.figures.fits import contact_figure
-from rubnoise.figures.kinds import Kind
-from rubnoise.figures.study import draw_study, key_label, quantities_of, quantity_words, study_of_sweep
+from rubnoise.figures.study import key_label, quantities_of, quantity_words
 from rubnoise.figures.style import PicturesMissing, drawn
 from rubnoise.figures.tracks import Stretch
-from rubnoise.pages.page import written
-from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words
+from rubnoise.pages.report_words import in_words
 from rubnoise.record.reader import Reader
 from rubnoise.scenario import loads
 from rubnoise.scenario.text import text_of
@@ -30,32 +30,26 @@ from rubnoise.surface.sliding import SlidingContact
 from rubnoise.tables import as_html
 from rubnoise.web_page import coded, report_page
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 CAPTIONS: Final[dict[Kind, str]] = {
-    "trace": "Real contact area over the sliding distance, at the beginning of the run. The band is the exact mean with"
-    " one standard deviation on each side.",
+    "trace": "Real contact area over the sliding distance, at the beginning of the run.",
     "lives": "Single junctions: above, their areas add up to the real contact area; below, each by itself.",
-    "histogram": "How often each area occurs, with the exact density.",
-    "psd": "Spectrum of the real contact area, with the exact one. Below, its ratio to what theory expects.",
-    "acf": "Autocovariance of the real contact area, with the exact one. At each lag by itself, 95 % of runs lie in the"
-    " band.",
-    "count": "Number of live junctions, with the exact distribution.",
+    "histogram": "How often each area occurs.",
+    "psd": "Spectrum of the real contact area.",
+    "acf": "Autocovariance of the real contact area.",
+    "count": "How many junctions live at once.",
     "slider": "Motion of the slider at the beginning of the run.",
     "phase": "Velocity of the slider over its displacement.",
-    "landmarks": "How far the slider slips, and how long it sticks.",
-    "lifelines": "Lives of junctions: each bar begins at a birth and ends at a death.",
-    "load": "Load, separation and normal velocity at the beginning of the run, with exact means and spreads.",
+    "landmarks": "How far the slider slips and how long it sticks, or how fast it falls and how long it flies.",
+    "lifelines": "A bar for each life from birth to death, or for each touch of a summit.",
+    "load": "Load, separation and normal velocity at the beginning of the run.",
 }
-OF_FREE_MOTION: Final[dict[Kind, str]] = {
-    "trace": "Real contact area over the sliding distance, at the beginning of the run.",
-    "histogram": "How often each area occurs while the slider is on the surface.",
-    "psd": "Spectrum of the real contact area, of which there is no theory.",
-    "acf": "Autocovariance of the real contact area, of which there is no theory.",
-    "count": "Number of summits in contact.",
-    "landmarks": "How fast overlaps grow at impacts, and how long the slider was off the surface.",
-    "lifelines": "Touches of summits: each bar begins where contact is made and ends where it is lost.",
-    "load": "Load, separation and normal velocity at the beginning of the run. Flights are shaded, impacts are rings.",
-}
-"""Captions of pictures without theory, for a slider that may leave its contact."""
+IN_COLOURS: Final = (
+    "Blue, grey and black are simulated. What theory knows of this run is orange: means, with a band of one standard"
+    " deviation on each side, laws and spectra."
+)
 
 SECONDS: Final = 5.0
 RATE: Final = 44_100
@@ -73,16 +67,15 @@ def run_report(file: Reader, text: str, between: Between) -> str:
     stretch = Stretch.of(file)
     measured = {row.name: row.value for row in from_attributes(file.summary)}
     origin = file.provenance
-    words = [*in_words(stretch.model), *flights_in_words(stretch), *motion_in_words(stretch.model, measured)]
     sections = {
-        "What was simulated": _paragraphs(words),
+        "What was simulated": _paragraphs(in_words(stretch, measured)),
         "In numbers": f"<pre>{escape(text)}</pre>",
-        "Pictures": "".join(_pictures(stretch, between)),
+        "Pictures": _paragraphs([IN_COLOURS]) + "".join(_pictures(stretch, between)),
         "Sound": _sound(file, between),
         "Scenario": f"<pre>{escape(text_of(json.loads(str(origin['scenario_resolved']))))}</pre>",
         "How to repeat this run": _repeat(origin, "rubnoise run scenario.toml -o run.h5", file.attributes),
     }
-    return report_page(stretch.title or file.path.stem, sections, str(origin["finished"]))
+    return report_page(str(file.attributes["title"]) or file.path.stem, sections, str(origin["finished"]))
 
 
 def sweep_report(sweep: SweepResult, between: Between) -> str:
@@ -110,29 +103,25 @@ def _paragraphs(sentences: Sequence[str]) -> str:
     return "".join(f"<p>{escape(sentence)}</p>" for sentence in sentences)
 
 
-def _picture(content: bytes, caption: str) -> str:
+def _picture(caption: str, draw: "Callable[..., Figure]", *of: Any, **how: Any) -> str:
+    """Return what a function draws, with a caption; nothing of a run that does not have it."""
+    try:
+        content = drawn(draw, *of, **how)
+    except PicturesMissing:
+        raise
+    except Refused:
+        return ""
     text = escape(caption, quote=True)
     image = f'<img alt="{text}" src="data:image/png;base64,{coded(content)}">'
     return f"<figure>{image}<figcaption>{text}</figcaption></figure>"
 
 
-@contextmanager
-def _left_out_if_refused() -> Iterator[None]:
-    try:
-        yield
-    except Refused as refusal:
-        if isinstance(refusal, PicturesMissing):
-            raise
-
-
 def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
-    captions = CAPTIONS if stretch.has_theory else CAPTIONS | OF_FREE_MOTION
-    for name, caption in captions.items():
+    for name, caption in CAPTIONS.items():
         between()
-        with _left_out_if_refused():  # a run without a slider has no motion to show
-            yield _picture(drawn(drawing, name, stretch), caption)
-            if name == "histogram" and not stretch.has_theory:
-                yield _picture(drawn(drawing, name, stretch, heard="load"), "How often each load occurs.")
+        yield _picture(caption, drawing, name, stretch)
+        if name == "histogram" and not stretch.has_theory:
+            yield _picture("How often each load occurs.", drawing, name, stretch, heard="load")
 
 
 def _sound(file: Reader, between: Between) -> str:
@@ -143,15 +132,16 @@ def _sound(file: Reader, between: Between) -> str:
         level = level_of(sound, between)
     except Refused:
         return ""
-    pieces = samples_of(sound, level, between)
-    content = written(lambda path: write_wave(path, pieces, samples=sound.samples, rate=sound.rate, texts={}))
     what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
     words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
-    return _heard(words, content)
+    return _heard(words, samples_of(sound, level, between), sound.samples)
 
 
-def _heard(words: str, wave: bytes) -> str:
-    return f'{_paragraphs([words])}<audio controls src="data:audio/wav;base64,{coded(wave)}"></audio>'
+def _heard(words: str, pieces: Iterable[Doubles], samples: int) -> str:
+    """Return words and what plays samples from -1 to 1, which come in pieces."""
+    stream = BytesIO()
+    write_wave(stream, pieces, samples=samples, rate=RATE, texts={})
+    return f'{_paragraphs([words])}<audio controls src="data:audio/wav;base64,{coded(stream.getvalue())}"></audio>'
 
 
 def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str, object]) -> str:
@@ -171,8 +161,7 @@ def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) ->
         between()
         words = quantity_words(quantity)
         caption = f"{words[:1].upper()}{words[1:]}, with 95 % intervals and the exact curve."
-        with _left_out_if_refused():
-            yield _picture(drawn(draw_study, study_of_sweep(sweep.index, sweep.name, quantity)), caption)
+        yield _picture(caption, sweep_drawing, sweep.index, sweep.name, quantity)
 
 
 def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
@@ -203,19 +192,18 @@ def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
 
     ``scenario`` are the keywords of `SlidingContact.scenario_text`. Raises PicturesMissing without matplotlib.
     """
-    sound, words = _sound_of_area(contact, scenario.get("speed"))
     shown = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
     sections = {
         "In numbers": f"<pre>{escape(text)}</pre>",
-        "Pictures": _picture(drawn(contact_figure, contact), f"{shown} autocovariance"),
-        "Sound": _heard(words, sound),
+        "Pictures": _picture(f"{shown} autocovariance", contact_figure, contact),
+        "Sound": _sound_of_area(contact, scenario.get("speed")),
         "Scenario": f"<pre>{escape(contact.scenario_text(**scenario))}</pre>",
     }
     return report_page(f"{contact.slider.name} on {contact.track.name}", sections)
 
 
-def _sound_of_area(contact: SlidingContact, speed: float | None) -> tuple[bytes, str]:
-    """Return a WAV file of the scenario's area less its mean at a speed in um/s, and words with the speed.
+def _sound_of_area(contact: SlidingContact, speed: float | None) -> str:
+    """Return words and the sound of the scenario's area less its mean at a speed in um/s.
 
     Without a speed it is one that is well heard; one at which lives are shorter than a few samples is slowed down.
     """
@@ -227,6 +215,5 @@ def _sound_of_area(contact: SlidingContact, speed: float | None) -> tuple[bytes,
     area = np.asarray(record.trace["real_contact_area"][:samples], dtype=np.float64)
     values = area - area.mean()
     values *= _PEAK / np.abs(values).max()
-    content = written(lambda path: write_wave(path, [values], samples=values.size, rate=RATE, texts={}))
     heard = f"at a sliding speed of {tick * RATE * 1e-3:.3g} mm/s"
-    return content, f"The real contact area of the scenario as it changes {heard}."
+    return _heard(f"The real contact area of the scenario as it changes {heard}.", [values], values.size)

@@ -10,23 +10,29 @@ from rubnoise.model import FreeSeparation, Model
 from rubnoise.pages.page import last_time
 
 
-def in_words(model: Model) -> list[str]:
-    """Return sentences about a model; its numbers stand in the table below them."""
+def in_words(stretch: Stretch, measured: Mapping[str, float]) -> list[str]:
+    """Return sentences about a run and its model; numbers stand in the table below them."""
+    model = stretch.model
     lines = _contact(model) if model.free is None else _free_contact(model, model.free)
     if model.strengths is not None:
         borne = "area" if model.separation is None else "load on the junctions over their hardness"
         lines.append(f"The friction force is the {borne} times the shear strength.")
-    if model.free is None:
-        lines.append(_separation(model))
+    lifted = model.slider is not None and model.slider.excitation == "base"
+    if lifted:
+        lines.append("Asperities lift the slider: it moves normal to the surfaces.")
+    elif model.separation is not None:
+        lines.append("The slider rests on its load, and rises and falls with the resonance of its contact.")
+    elif model.free is None:
+        lines.append("The separation of the surfaces is held, so that the load varies as the area does.")
     if model.slider is not None:
-        driven = "A base that asperities lift" if model.slider.excitation == "base" else "The force"
+        driven = "A base that asperities lift" if lifted else "The force"
         coupling = (
             "two-way: the motion of the slider changes how fast the surfaces slide"
             if model.is_two_way
             else "one-way: the surfaces slide at constant speed, however the slider moves"
         )
         lines.append(f"{driven} moves a slider on a spring. The coupling is {coupling}.")
-    return lines
+    return lines + _flights(stretch) + _motion(model, measured, lifted=lifted)
 
 
 def _length(model: Model) -> str:
@@ -35,12 +41,12 @@ def _length(model: Model) -> str:
 
 def _free_contact(model: Model, free: FreeSeparation) -> list[str]:
     """Return sentences about the contact of a slider that may leave it, and the loss of an impact."""
-    loss = (
-        f"An overlap that shrinks pushes with {free.restitution**2:.3g} times the force of one that grows"
-        f" (restitution {free.restitution:.3g})."
-        if free.restitution is not None
-        else "An overlap pushes harder while it grows and less while it shrinks (Hunt and Crossley)."
-    )
+    loss = "An overlap pushes harder while it grows and less while it shrinks (Hunt and Crossley)."
+    if free.restitution is not None:
+        loss = (
+            f"An overlap that shrinks pushes with {free.restitution**2:.3g} times the force of one that grows"
+            f" (restitution {free.restitution:.3g})."
+        )
     return [
         (
             f"A slider of {1000.0 * free.held.mass:.4g} g slides over {_length(model)} of a rough surface under its"
@@ -52,10 +58,11 @@ def _free_contact(model: Model, free: FreeSeparation) -> list[str]:
 
 def _contact(model: Model) -> list[str]:
     """Return sentences about a contact that the slider does not leave."""
+    centred = model.pulse.offset == "none"
     lines = [
         (
             f"Two rough surfaces slide over {_length(model)}. Where their asperities meet, junctions are born,"
-            f" grow to {'a full overlap' if model.pulse.offset == 'none' else 'a largest overlap'}, shrink and die."
+            f" grow to a {'full' if centred else 'largest'} overlap, shrink and die."
         ),
         (
             f"On average {model.mean_junction_count:.4g} junctions live at once. One is born every"
@@ -67,7 +74,7 @@ def _contact(model: Model) -> list[str]:
             " to the real contact area."
         ),
     ]
-    if model.pulse.offset != "none":
+    if not centred:
         lines.append(
             "The centres of two asperities miss each other by a lateral offset, anything up to the diameter on either"
             " side. The larger the offset, the shorter the life and the smaller the area."
@@ -75,26 +82,16 @@ def _contact(model: Model) -> list[str]:
     return lines
 
 
-def _separation(model: Model) -> str:
-    """Return how the separation moves, or that it is held."""
-    if model.slider is not None and model.slider.excitation == "base":
-        return "Asperities lift the slider: it moves normal to the surfaces."
-    if model.separation is None:
-        return "The separation of the surfaces is held, so that the load varies as the area does."
-    return "The slider rests on its load, and rises and falls with the resonance of its contact."
-
-
-def flights_in_words(stretch: Stretch) -> list[str]:
+def _flights(stretch: Stretch) -> list[str]:
     """Return how long a slider was off the surface, how often it fell on it, and the largest speed of an overlap."""
-    file = stretch.file
-    if stretch.has_theory or file.rows("load") < 2:
+    if stretch.has_theory or stretch.file.rows("load") < 2:
         return []
-    end = last_time(file, "load")
-    found = Flights.of(file, 0.0, end)
+    end = last_time(stretch.file, "load")
+    found = Flights.of(stretch.file, 0.0, end)
     if not found.impacts.size:
         return ["It never fell on the surface."]
-    off, hardest = 100.0 * found.share(0.0, end), 1e-3 * float(found.speeds.max())
-    often = found.impacts.size / end
+    off, often = 100.0 * found.share(0.0, end), found.impacts.size / end
+    hardest = 1e-3 * float(found.speeds.max())
     return [
         (
             f"It was off the surface for {off:.3g} % of the time, and fell on it {often:.3g} times a second."
@@ -103,11 +100,14 @@ def flights_in_words(stretch: Stretch) -> list[str]:
     ]
 
 
-def motion_in_words(model: Model, measured: Mapping[str, float]) -> list[str]:
+def _motion(model: Model, measured: Mapping[str, float], *, lifted: bool) -> list[str]:
     """Return sentences about the measured motion: whether one-way coupling holds, or how the slider sticks."""
     lines = []
-    if "one_way_validity" in measured and model.slider is not None and model.slider.excitation == "friction":
-        lines.append(_one_way(model, measured["one_way_validity"]))
+    if "one_way_validity" in measured and not lifted:
+        validity = measured["one_way_validity"]
+        fair = f"the velocity of the slider spreads by {validity:.3g} times the sliding speed, which is little"
+        warnings = [*one_way_warnings(model, validity), fair]
+        lines.append(f"{warnings[0][:1].upper()}{warnings[0][1:]}.")
     if "stick_fraction" in measured:
         lines.append(
             f"The slider moves with the drive, stuck to the surface, for {100.0 * measured['stick_fraction']:.3g} % of"
@@ -115,12 +115,3 @@ def motion_in_words(model: Model, measured: Mapping[str, float]) -> list[str]:
             " slips."
         )
     return lines
-
-
-def _one_way(model: Model, validity: float) -> str:
-    for warning in one_way_warnings(model, validity):
-        return f"{warning[0].upper()}{warning[1:]}."
-    return (
-        f"The velocity of the slider spreads by {validity:.3g} times the sliding speed, so that it is fair to take the"
-        " sliding speed for constant."
-    )

@@ -2,15 +2,16 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from math import log2
+from math import inf
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import hann, welch
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, slices
 from rubnoise.errors import Refused
-from rubnoise.model import Model, Slider
+from rubnoise.model import Model
 from rubnoise.record.reader import Rows, column_chunks
 from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.theory.motion import motion_spectrum
@@ -19,7 +20,7 @@ from rubnoise.web_page import packed
 
 LIVES: Final = 8.0
 PERIODS: Final = 16.0
-"""Length of a segment in mean lives, for the area, and in periods of the slider, for its velocity."""
+"""Length of a segment in mean lives, for the area, and in periods of what swings, for its velocity."""
 
 TICKS: Final = (6, 14)
 """Powers of two between which a segment has ticks."""
@@ -28,6 +29,14 @@ SPREADS: Final = 5.0
 POINTS: Final = 200
 """How far the density of the area is drawn, in standard deviations, and at how many areas."""
 
+QUANTITIES: Final = {
+    "area": ("trace", "real_contact_area", "real_contact_area"),
+    "velocity": ("slider", "velocity", "velocity"),
+    "normal": ("load", "velocity", "normal_velocity"),
+    "load": ("load", "load", "load"),
+}
+"""Group, column, and name in theory of each quantity that has statistics."""
+
 
 def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
     """Return for area, velocities and load the ticks of a segment and the expectation of its spectrum.
@@ -35,29 +44,25 @@ def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
     Densities are two-sided, in um^4 per rad/um, um^2/s^2 per rad/s and uN^2 per rad/s; one that theory does not know is
     None, as is the density of the area in 1/um^2. A motion that the run does not have is None.
     """
-    ticks, is_known = _power_of_two(LIVES * model.mean_life_distance / model.tick), model.free is None
-    expected = _known(lambda: expected_periodogram(model, model.tick, hann(ticks))[1]) if is_known else None
-    found: dict[str, Any] = {
-        "area": {"step": model.tick, "ticks": ticks, "expected": expected},
-        "density": _known(lambda: np.stack(_density(model))) if is_known else None,
-        **dict.fromkeys(("velocity", "normal", "load")),
+    return {
+        "density": None if model.free is not None else _known(lambda: np.stack(_density(model))),
+        **{name: _curve(file, model, *QUANTITIES[name]) for name in QUANTITIES},
     }
-    if "slider" in file.columns and file.rows("slider") > 1 and model.slider is not None:
-        own = "velocity" if is_known and not model.is_two_way else None
-        first, second = file.column("slider", "time", 0, 2).tolist()
-        found["velocity"] = _of_motion(model, model.slider, second - first, own)
-    if "load" in file.columns and model.held is not None and model.tick_duration is not None:
-        for name, quantity in (("normal", "normal_velocity"), ("load", "load")):
-            known = quantity if is_known else None
-            found[name] = _of_motion(model, model.held.oscillator, model.tick_duration, known)
-    return found
 
 
-def _of_motion(model: Model, slider: Slider, step: float, quantity: str | None) -> dict[str, Any]:
-    """Return the step in s, the ticks of a segment, and the expected spectrum of a quantity, None if unknown."""
-    ticks = _power_of_two(PERIODS / slider.natural_frequency / step) if slider.stiffness else 1 << 10
+def _curve(file: Rows, model: Model, group: str, _: str, quantity: str) -> dict[str, Any] | None:
+    """Return the step in um or s, the ticks of a segment, and the expected spectrum, None if unknown."""
+    held = None if model.held is None else model.held.oscillator
+    step, length, swings = model.tick, LIVES * model.mean_life_distance, held if group == "load" else model.slider
+    if group != "trace":
+        if group not in file.columns or swings is None or model.tick_duration is None or file.rows(group) < 2:
+            return None
+        step, length = model.tick_duration, PERIODS / swings.natural_frequency if swings.stiffness else inf
+    ticks = 1 << int(np.clip(np.rint(np.log2(max(length / step, 1.0))), *TICKS))
     expected = None
-    if quantity is not None:
+    if model.free is None and group == "trace":
+        expected = _known(lambda: expected_periodogram(model, step, hann(ticks))[1])
+    elif model.free is None and not (group == "slider" and model.is_two_way):
         exact = partial(motion_spectrum, quantity, model)
         expected = _known(lambda: through_window(exact, step, hann(ticks), ticks // 2))
     return {"step": step, "ticks": ticks, "expected": expected}
@@ -70,11 +75,6 @@ def _density(model: Model) -> tuple[Doubles, Doubles]:
     return area, distribution(model).density(area)
 
 
-def _power_of_two(ticks: float) -> int:
-    lowest, highest = TICKS
-    return 1 << int(np.clip(round(log2(max(ticks, 1.0))), lowest, highest))
-
-
 def _known(curve: Callable[[], Doubles]) -> dict[str, str] | None:
     try:
         return packed(curve().ravel())
@@ -82,61 +82,43 @@ def _known(curve: Callable[[], Doubles]) -> dict[str, str] | None:
         return None
 
 
-QUANTITIES: Final = {
-    "area": ("trace", "real_contact_area"),
-    "velocity": ("slider", "velocity"),
-    "normal": ("load", "velocity"),
-    "load": ("load", "load"),
-}
-"""Group and column of each quantity of `exact_curves`."""
-
 BARS: Final = 60
 CELLS: Final = (96, 72)
 """Bars of a histogram; cells of the phase plane across and up."""
 
 
 def whole_run(file: Rows, curves: Mapping[str, Any], *, leaves: bool) -> dict[str, Any]:
-    """Return the statistics of each quantity that has a curve, and of the phase plane, read in chunks.
+    """Return the statistics of each quantity that has a curve: two-sided spectrum, ``ends`` and ``counts`` of bars.
 
-    ``leaves`` says that the slider leaves the contact: zeros of area and load are then counted, and not drawn.
+    ``leaves`` says that the slider leaves the contact: zeros of area and load are then among ``rows``, and not drawn.
+    The phase plane has its ticks in each cell of displacement (across) and velocity (up), row by row from below.
     """
-    found = {
-        name: _statistics(file, name, curves[name]["ticks"], curves[name]["step"], leaves=leaves and name != "normal")
-        for name in QUANTITIES
-        if curves[name] is not None
-    }
-    return {**found, "phase": _phase(file) if "slider" in file.columns else None}
+    found: dict[str, Any] = {"phase": _phase(file) if "slider" in file.columns else None}
+    for name, (group, column, _) in QUANTITIES.items():
+        if (curve := curves[name]) is not None:
+            spectrum = welch(column_chunks(file, group, column), curve["ticks"], curve["step"])
+            values = file.column(group, column)
+            shown, ends = values[values > 0.0] if leaves and name != "normal" else values, _ends(values)
+            found[name] = {
+                "density": packed(spectrum.density),
+                "segments": spectrum.segments,
+                "ends": ends,
+                "counts": packed(np.histogram(shown, BARS, ends)[0].astype(np.uint32)),
+                "rows": values.size,
+            }
+    return found
 
 
-def _statistics(file: Rows, name: str, ticks: int, step: float, *, leaves: bool) -> dict[str, Any]:
-    """Return two-sided spectrum and histogram of a column: ``ends`` and ``counts`` of its bars, and all ``rows``."""
-    group, column = QUANTITIES[name]
-    spectrum = welch(column_chunks(file, group, column), ticks, step)
-    ends, counts = _ends(file, group, column), np.zeros(BARS, dtype=np.uint32)
-    for values in column_chunks(file, group, column):
-        counts += np.histogram(values[values > 0.0] if leaves else values, BARS, ends)[0].astype(np.uint32)
-    return {
-        "density": packed(spectrum.density),
-        "segments": spectrum.segments,
-        "ends": ends,
-        "counts": packed(counts),
-        "rows": file.rows(group),
-    }
-
-
-def _ends(file: Rows, group: str, column: str) -> tuple[float, float]:
-    """Return the lowest and the highest value of a column, which are never equal."""
-    ends = np.array([(values.min(), values.max()) for values in column_chunks(file, group, column)])
-    low, high = float(ends[:, 0].min()), float(ends[:, 1].max())
+def _ends(values: NDArray[Any]) -> tuple[float, float]:
+    """Return the lowest and the highest value, which are never equal."""
+    low, high = float(values.min()), float(values.max())
     return (low, high) if low < high else (low - 0.5, low + 0.5)
 
 
 def _phase(file: Rows) -> dict[str, Any]:
-    """Return how many ticks are in each cell of displacement (across) and velocity (up), row by row from below."""
-    place, velocity = (_ends(file, "slider", name) for name in ("displacement", "velocity"))
-    counts = np.zeros(CELLS)
-    for x, v in zip(
-        column_chunks(file, "slider", "displacement"), column_chunks(file, "slider", "velocity"), strict=True
-    ):
-        counts += np.histogram2d(x, v, CELLS, (place, velocity))[0]
+    x, v = (file.column("slider", name) for name in ("displacement", "velocity"))
+    ends, counts = (_ends(x), _ends(v)), np.zeros(CELLS)
+    for part in slices(0, x.size):
+        counts += np.histogram2d(x[part], v[part], CELLS, ends)[0]
+    place, velocity = ends
     return {"across": CELLS[0], "place": place, "velocity": velocity, "counts": packed(counts.T.astype(np.uint32))}

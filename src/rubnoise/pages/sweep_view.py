@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import welch
 from rubnoise.answer import finite
+from rubnoise.api.run import Run
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.figure_names import STATES
@@ -51,6 +52,7 @@ def _data(sweep: SweepResult, name: str, rows: NDArray[np.int64]) -> dict[str, A
     figures = [figure for figure in sweep.figures if np.issubdtype(sweep.runs[figure].dtype, np.number)]
     names = [*sweep.keys, "replicate", "seed", *figures, *(f"{each}_exact" for each in figures)]
     kept = [each for each in names if each in sweep.runs]
+    beginnings, spectra = _looks(sweep, rows)
     return {
         "name": name,
         "keys": list(sweep.keys),
@@ -61,9 +63,9 @@ def _data(sweep: SweepResult, name: str, rows: NDArray[np.int64]) -> dict[str, A
         "columns": {
             each: {"units": sweep.runs[each].units, "values": _as_json(sweep.runs[each][:][rows])} for each in kept
         },
-        "beginnings": _beginnings(sweep, rows),
+        "beginnings": beginnings,
         "points": [int(each) for each in sweep.runs["point"][:][rows]],
-        "spectra": _spectra(sweep, rows),
+        "spectra": spectra,
     }
 
 
@@ -73,48 +75,45 @@ def _as_json(values: NDArray[Any]) -> list[Any]:
     return [str(value) if isinstance(value, int) and abs(value) >= exact else value for value in finite(values)]
 
 
-def _beginnings(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
-    """Return the first rows of all runs, or of the first run of each point, by name of the run."""
-    point, names = sweep.runs["point"][:], sweep.runs["run_id"][:]
-    chosen = rows if rows.size <= MOST_BEGINNINGS else rows[np.unique(point[rows], return_index=True)[1]]
-    found: dict[str, Any] = {}
-    for row in chosen[:: ceil(chosen.size / MOST_BEGINNINGS)]:
+def _looks(sweep: SweepResult, rows: NDArray[np.int64]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return beginnings of all runs, or of the first run of each point, and spectra of some first runs, by name."""
+    names, firsts = sweep.runs["run_id"][:], rows[np.unique(sweep.runs["point"][:][rows], return_index=True)[1]]
+    chosen = rows if rows.size <= MOST_BEGINNINGS else firsts[:: ceil(firsts.size / MOST_BEGINNINGS)]
+    beginnings: dict[str, Any] = {}
+    spectra: dict[str, Any] = {}
+    for row in chosen:
+        name = str(names[row])
         try:
-            with sweep.run(str(names[row])) as run:
+            with sweep.run(name) as run:
                 groups = run.groups()
-                columns: dict[str, Any] = {
-                    name: {"units": [groups[name][each].units for each in both], "points": _thinned(groups[name], both)}
-                    for name, both in CURVES.items()
-                    if name in groups
+                found = {
+                    group: {
+                        "units": [groups[group][each].units for each in both],
+                        "points": _thinned(groups[group], both),
+                    }
+                    for group, both in CURVES.items()
+                    if group in groups
                 }
+                if found and row in firsts[:MOST_SPECTRA] and (seen := _spectrum(run)) is not None:
+                    spectra[name] = seen
+                beginnings[name] = found or {"refused": "This sweep keeps no rows of its runs."}
         except RunFileRefused as refused:
-            columns = {"refused": str(refused)}
-        found[str(names[row])] = columns or {"refused": "This sweep keeps no rows of its runs."}
-    return found
+            beginnings[name] = {"refused": str(refused)}
+    return beginnings, spectra
 
 
-def _spectra(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
-    """Return wavenumbers in rad/um and Welch's spectrum in um^4 per rad/um of the area, by name of a point's first run.
+def _spectrum(run: Run) -> list[list[float]] | None:
+    """Return wavenumbers in rad/um and Welch's spectrum of the area in um^4 per rad/um; None of a run too short for it.
 
-    A segment is eight mean lives long, or a quarter of a short run. Runs without rows are left out.
+    A segment is eight mean lives long, or a quarter of a short run.
     """
-    names, firsts = sweep.runs["run_id"][:], np.unique(sweep.runs["point"][:][rows], return_index=True)[1]
-    found: dict[str, Any] = {}
-    for row in rows[firsts][:MOST_SPECTRA]:
-        try:
-            with sweep.run(str(names[row])) as run:
-                area = np.asarray(run.trace["real_contact_area"][:MOST_ROWS], dtype=np.float64)
-                model = run.model()
-                step, life = model.tick, model.mean_life_distance
-        except (RunFileRefused, KeyError):
-            continue
-        ticks = 2 * int(0.5 * min(LIVES * life / step, area.size / FEWEST_SEGMENTS))
-        if ticks < FEWEST_TICKS:
-            continue
-        seen = welch([area], ticks, step)
-        chosen = np.unique(np.geomspace(2, seen.density.size - 1, SPECTRUM_POINTS).astype(int))
-        found[str(names[row])] = [seen.wavenumber[chosen].tolist(), seen.density[chosen].tolist()]
-    return found
+    area, model = np.asarray(run.trace["real_contact_area"][:MOST_ROWS], dtype=np.float64), run.model()
+    ticks = 2 * int(0.5 * min(LIVES * model.mean_life_distance / model.tick, area.size / FEWEST_SEGMENTS))
+    if ticks < FEWEST_TICKS:
+        return None
+    seen = welch([area], ticks, model.tick)
+    chosen = np.unique(np.geomspace(2, seen.density.size - 1, SPECTRUM_POINTS).astype(int))
+    return [seen.wavenumber[chosen].tolist(), seen.density[chosen].tolist()]
 
 
 def _thinned(columns: Any, names: tuple[str, str]) -> list[list[float]]:
@@ -122,5 +121,5 @@ def _thinned(columns: Any, names: tuple[str, str]) -> list[list[float]]:
     rows = min(len(columns), ROWS)
     places, values = (np.asarray(columns[name][:rows], dtype=np.float64) for name in names)
     step = max(1, ceil(rows / CELLS))
-    both = np.stack(lowest_and_highest([values], step), axis=-1).ravel() if step > 1 else values
+    both = np.stack(lowest_and_highest(values, step), axis=-1).ravel() if step > 1 else values
     return [np.repeat(places[::step], 2 if step > 1 else 1).tolist(), both.tolist()]

@@ -4,8 +4,7 @@ import os
 import struct
 import wave
 from collections.abc import Iterable, Mapping
-from pathlib import Path
-from typing import Final
+from typing import IO, Final
 
 import numpy as np
 
@@ -27,8 +26,10 @@ def check_length(samples: int) -> None:
         raise Refused(f"{samples:,} samples are more than the {MOST:,} that a WAV file holds; --seconds takes some")
 
 
-def write_wave(path: Path, pieces: Iterable[Doubles], *, samples: int, rate: int, texts: Mapping[str, str]) -> None:
-    """Write samples from -1 to 1 as whole numbers of 24 bits, rounded; full scale is 2^23.
+def write_wave(
+    stream: IO[bytes], pieces: Iterable[Doubles], *, samples: int, rate: int, texts: Mapping[str, str]
+) -> None:
+    """Write samples from -1 to 1 as whole numbers of 24 bits, rounded, into a new file; full scale is 2^23.
 
     There are ``samples`` of them, in pieces; ``texts`` are those of the chunk LIST INFO by their names of four letters
     (INAM the title, ICMT a comment, ISFT the software). Raises Refused for more than fit, OSError if the disk
@@ -36,18 +37,17 @@ def write_wave(path: Path, pieces: Iterable[Doubles], *, samples: int, rate: int
     """
     check_length(samples)
     written, information = 0, b"".join(_chunk(name, text.encode() + b"\0") for name, text in texts.items())
-    with path.open("w+b") as stream:
-        with wave.open(stream, "wb") as sound:
-            sound.setparams((1, _BYTES, rate, samples, "NONE", "not compressed"))
-            for piece in pieces:
-                steps = np.clip(np.rint(piece[: samples - written] * STEPS), -STEPS, STEPS - 1).astype("<i4")
-                sound.writeframesraw(steps.view(np.uint8).reshape(-1, 4)[:, :_BYTES].tobytes())
-                written += steps.size
-        end = stream.seek(0, os.SEEK_END)
-        stream.write(bytes(end % 2) + _chunk("LIST", b"INFO" + information))  # which the module does not write
-        end = stream.tell()
-        stream.seek(4)
-        stream.write(struct.pack("<I", end - 8))
+    with wave.open(stream, "wb") as sound:
+        sound.setparams((1, _BYTES, rate, samples, "NONE", "not compressed"))
+        for piece in pieces:
+            steps = np.clip(np.rint(piece[: samples - written] * STEPS), -STEPS, STEPS - 1).astype("<i4")
+            sound.writeframesraw(steps.view(np.uint8).reshape(-1, 4)[:, :_BYTES].tobytes())
+            written += steps.size
+    end = stream.seek(0, os.SEEK_END)
+    stream.write(bytes(end % 2) + _chunk("LIST", b"INFO" + information))  # which the module does not write
+    end = stream.tell()
+    stream.seek(4)
+    stream.write(struct.pack("<I", end - 8))
     if written != samples:
         raise AssertionError(f"{written} samples came of {samples}")
 
