@@ -96,18 +96,18 @@ def needed_for_mean(model: Model) -> float:
 
 
 FEWEST_DECAYS = 10
-"""Least decay times of a motion, after its start is forgotten, in a run with standard errors of it."""
+"""Least decay times of a motion that a run has, and after its start is forgotten one with standard errors of it."""
 
 
 def needed_for_motion(model: Model) -> float | None:
-    """Return the length in um that standard errors of a slider's motion need, if a run is too short for them.
+    """Return the length in um that standard errors of a slider's motion need, if a run is far too short for them.
 
     Its start is forgotten then, and FEWEST_DECAYS are left, in which the standard deviations would be known to a tenth.
     It never has them without slider or damping, or from an empty start. Errors fall as one over the root of the
     distance; births that are not random have only the error of the mean, which needs only the decay times.
     """
     decays = decays_of(model, model.slider, model.distance)
-    if decays is None or settled(model)["slider"] is not None or model.start != "stationary":
+    if decays is None or decays >= FEWEST_DECAYS or model.start != "stationary":
         return None
     needed = model.distance * FEWEST_DECAYS / decays
     if are_at_random(model):
