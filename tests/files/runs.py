@@ -15,7 +15,7 @@ from rubnoise.contact.pulses import LENS, OFF_CENTRE
 from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import RunDescription, row_count, stored_groups
 from rubnoise.storage.schema import LIFE_CURVE, LIFE_TABLE, Dataset, Feature
-from rubnoise.storage.writer import run_writer
+from rubnoise.storage.writer import RunWriter
 
 EVERYTHING: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
 TWO_WAY: frozenset[Feature] = EVERYTHING | {"two-way"}
@@ -105,7 +105,7 @@ def write_run(
     meanwhile: Callable[[], object] = lambda: None,
 ) -> None:
     """Write every row of a run, call ``meanwhile``, publish."""
-    with run_writer(path, description, force=force) as writer:
+    with RunWriter(path, description, force=force) as writer:
         for group, columns in rows.items():
             for first, panel in cut(columns, borders):
                 writer.write(group, first, panel)

@@ -19,7 +19,7 @@ from rubnoise.simulation.run import simulate
 from rubnoise.storage.layout import RunDescription, expected_bytes, features_of, life_curve, row_count, stored_groups
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import HASH, JUNCTIONS, Feature
-from rubnoise.storage.writer import run_writer
+from rubnoise.storage.writer import RunWriter
 from tests.files.runs import EVERYTHING, FEATURES, ORIGIN, Compression, Rows, describe, random_rows, write_run
 from tests.frozen import examples
 from tests.models import bare, model
@@ -98,7 +98,7 @@ def test_rows_written_again_count_as_written_last(
     junctions = rows["junctions"]
     with TemporaryDirectory() as folder:
         path = Path(folder, "run.h5")
-        with run_writer(path, description) as writer:
+        with RunWriter(path, description) as writer:
             for group, columns in rows.items():
                 writer.write(group, 0, {name: values.copy() for name, values in columns.items()})
             for turn, (first, count) in enumerate(again):
@@ -128,7 +128,7 @@ def peak_bytes(path: Path, blocks: int, compression: Compression) -> int:
     description = describe(2000 * blocks, 20_000 * blocks, 21_000 * blocks, compression=compression)
     block = random_rows(describe(2000, 20_000, 21_000))
     tracemalloc.start()
-    with run_writer(path, description) as writer:
+    with RunWriter(path, description) as writer:
         for k in range(blocks):
             for group, columns in block.items():
                 writer.write(group, k * len(next(iter(columns.values()))), columns)
@@ -196,7 +196,7 @@ def simulated(path: Path, run: Model, compression: Compression) -> MemoryRecord:
         provenance={"scenario_toml": "", "scenario_resolved": "{}", **ORIGIN},
     )
     record = MemoryRecord(rows)
-    with run_writer(path, description) as writer:
+    with RunWriter(path, description) as writer:
         simulate(run, 1, Tee((writer, record)))
         writer.publish({})
     return record

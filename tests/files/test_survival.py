@@ -36,14 +36,14 @@ def test_forty_kills_leave_no_incomplete_result_and_the_same_command_gives_the_b
 
 
 def test_a_final_name_before_the_end_is_found_by_kills(monkeypatch: pytest.MonkeyPatch) -> None:
-    begin, _ = RunWriter.__init__, KILLED[0].expected
+    begin, _ = RunWriter._begin, KILLED[0].expected
 
     def early(self: RunWriter, *given: Any) -> None:
         begin(self, *given)
         (self._part.final).write_bytes(b"half of a result")
         time.sleep(2.0)  # most of the run, so that a kill finds it on a busy machine too
 
-    monkeypatch.setattr(RunWriter, "__init__", early)
+    monkeypatch.setattr(RunWriter, "_begin", early)
     findings = kills(4, seed=3, stories=KILLED[:1]).findings
     assert any("under the final name: unreadable" in finding for finding in findings)
 

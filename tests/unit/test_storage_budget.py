@@ -61,7 +61,7 @@ def _with_room(monkeypatch: pytest.MonkeyPatch, *, disk: int = 10**18, memory: i
 
 def _refusal(scenario: Scenario, told: Budget) -> str:
     with pytest.raises(Refused) as refused:
-        check_disk_space(scenario, told, "run.h5")
+        check_disk_space(told, "run.h5")
     return str(refused.value)
 
 
@@ -89,7 +89,7 @@ def test_what_fits_exactly_is_allowed_and_a_byte_less_is_not(monkeypatch: pytest
     scenario = loads(WHOLE)
     told = counted(scenario)
     _with_room(monkeypatch, disk=told.disk_bytes)
-    check_disk_space(scenario, told, "run.h5")
+    check_disk_space(told, "run.h5")
     _with_room(monkeypatch, disk=told.disk_bytes - 1)
     said = _refusal(scenario, told)
     assert said.startswith(f"run.h5: the result may take {told.disk_bytes:,} bytes")
@@ -124,7 +124,7 @@ def test_memory_is_refused_with_the_count_or_the_engine_named(monkeypatch: pytes
     events, batch = (_with(BARE, *DENSE, f"run.engine={engine}") for engine in ("events", "batch"))
     more = expected(batch).more_bytes + 10**7
     _with_room(monkeypatch, memory=more)
-    check_disk_space(batch, expected(batch), "run.h5")
+    check_disk_space(expected(batch), "run.h5")
     assert 'run.engine = "batch"' in _refusal(events, expected(events))
     _with_room(monkeypatch, memory=1_000_000)
     for scenario in (events, batch):

@@ -19,7 +19,7 @@ from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.runs.making import describe as describe_run
 from rubnoise.storage.layout import package_version
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.writer import run_writer
+from rubnoise.storage.writer import RunWriter
 from tests.files.runs import attempt, describe, names
 
 
@@ -40,7 +40,7 @@ def test_a_run_that_cannot_fit_is_refused_before_its_first_row(tmp_path: Path, s
     with (
         files_at_most(size),
         pytest.raises(OutputRefused, match="File too large"),
-        run_writer(tmp_path / "run.h5", describe(100_000, 100_000), force=True),
+        RunWriter(tmp_path / "run.h5", describe(100_000, 100_000), force=True),
     ):
         raise AssertionError
     assert names(tmp_path) == ["run.h5"]

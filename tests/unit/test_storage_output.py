@@ -17,7 +17,7 @@ from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
 from rubnoise.storage import output
 from rubnoise.storage.output import OutputInUse, WrittenWithLess, check_output, part_file
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.writer import run_writer
+from rubnoise.storage.writer import RunWriter
 from tests.files.runs import Compression, attempt, describe, names, random_rows
 
 
@@ -115,7 +115,7 @@ def test_an_impossible_path_is_refused(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_the_space_is_taken_from_the_start_and_the_part_is_no_result(tmp_path: Path) -> None:
-    with run_writer(tmp_path / "run.h5", describe(100_000)) as writer:
+    with RunWriter(tmp_path / "run.h5", describe(100_000)) as writer:
         assert names(tmp_path) == ["run.h5.part"]
         about = (tmp_path / "run.h5.part").stat()
         assert about.st_blocks * 512 >= about.st_size > 100_000 * 73
@@ -130,7 +130,7 @@ def test_the_space_is_taken_from_the_start_and_the_part_is_no_result(tmp_path: P
 
 def test_a_second_writer_is_refused_and_the_first_continues(tmp_path: Path) -> None:
     description = describe()
-    with run_writer(tmp_path / "run.h5", description) as writer:
+    with RunWriter(tmp_path / "run.h5", description) as writer:
         for force in (False, True):
             with pytest.raises(OutputInUse, match="another process is writing"):
                 attempt(tmp_path / "run.h5", force=force)

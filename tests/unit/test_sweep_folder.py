@@ -20,7 +20,7 @@ from rubnoise.runs.sweep import check_folder, in_shard
 from rubnoise.runs.verification import verify_sweep
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.storage.output import PartFile
-from rubnoise.storage.writer import RunWriter, run_writer
+from rubnoise.storage.writer import RunWriter
 from tests.unit.scenarios import GRID, SHORT_HEAD, SMALL, sweep_of
 
 pytestmark = pytest.mark.slow
@@ -50,7 +50,7 @@ def times(folder: Path) -> dict[str, int]:
 def being_made(path: Path, folder: Path) -> AbstractContextManager[RunWriter]:
     """Return the writer of a run that is being made."""
     point = next(point for point in expand(small(folder)) if point.run_id == path.stem)
-    return run_writer(path, describe(point.scenario, path, ["rubnoise"]), force=True)
+    return RunWriter(path, describe(point.scenario, path, ["rubnoise"]), force=True)
 
 
 def made(call: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> int:

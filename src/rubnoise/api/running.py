@@ -24,7 +24,7 @@ from rubnoise.storage.forecast import check_disk_space, check_memory, expected
 from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import check_output
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.writer import run_writer
+from rubnoise.storage.writer import RunWriter
 from rubnoise.theory.exact import Exact
 from rubnoise.theory.exact import exact as exact_of_model
 
@@ -61,9 +61,9 @@ class Record(Run):
         7
         """
         check_output(path, force=force)
-        check_disk_space(self.scenario, expected(self.scenario), path)
+        check_disk_space(expected(self.scenario), path)
         description = describe(self.scenario, path, this_command(), self._reader.intervention)
-        with run_writer(path, description, force=force) as writer:
+        with RunWriter(path, description, force=force) as writer:
             self._reader.play_into(writer)
             writer.publish(self._reader.summary)
         return Run(open_run(path))
@@ -106,19 +106,7 @@ def simulate(
     >>> len(record.trace), record.trace["real_contact_area"].units
     (200001, 'um^2')
     """
-    _refuse(unknown)
-    scenario = _seeded(load(scenario), seed)
-    if engine is not None:
-        scenario = scenario.replace(engine=engine)
-    check_guests(scenario.model(), _engine(scenario), observe, intervene)
-    budget = expected(scenario)
-    check_memory(scenario, budget, kept_bytes=budget.result_bytes)
-    model, seed = scenario.model(), scenario.run.seed
-    intervention = "" if intervene is None else name_of(intervene)
-    kept = KeptRun(extent=extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
-    run_model(model, seed, kept, engine=_engine(scenario), observe=observe, intervene=intervene)
-    kept.protect()
-    return Record(kept)
+    return _in_memory(_asked(scenario, seed, engine, unknown, observe, intervene), observe, intervene)
 
 
 def run(
@@ -147,17 +135,15 @@ def run(
     ...     run.provenance["seed"]
     7
     """
+    scenario = _asked(scenario, seed, None, unknown, observe, intervene)
     if path is None:
-        return simulate(scenario, seed, observe=observe, intervene=intervene, **unknown)
-    _refuse(unknown)
-    scenario = _seeded(load(scenario), seed)
+        return _in_memory(scenario, observe, intervene)
     check_output(path, force=force, reads=scenario.files)
-    check_guests(scenario.model(), _engine(scenario), observe, intervene)
-    check_disk_space(scenario, expected(scenario), path)
+    check_disk_space(expected(scenario), path)
     description = describe(scenario, path, command or this_command(), intervene)
     if watch is not None:
         watch(0.0, 0, 0)
-    with run_writer(path, description, force=force) as writer:
+    with RunWriter(path, description, force=force) as writer:
         play(writer, scenario, watch=watch, observe=observe, intervene=intervene)
     return Run(open_run(path))
 
@@ -172,17 +158,30 @@ def exact(scenario: Scenario | str | os.PathLike[str]) -> Exact:
     return exact_of_model(load(scenario).model())
 
 
-def _refuse(unknown: Mapping[str, Any]) -> None:
-    """Refuse unknown keywords; keys of a scenario belong to `Scenario.replace`."""
+def _asked(source: Any, seed: int | None, engine: Engine | None, unknown: Mapping[str, Any], *guests: Any) -> Scenario:
+    """Return the scenario that is to be run, with its seed, so that this one is stored; its text stays as read.
+
+    Refuses unknown keywords, since keys of a scenario belong to `Scenario.replace`, and guests that do not suit it: an
+    observer or an intervention.
+    """
     for name, value in unknown.items():
         form = f'right form: rubnoise.load("paper/fig5").replace({name}={value!r}), and run that'
         raise Refused(f"{name}=: is no keyword here; {form}")
+    scenario = load(source)
+    if seed is not None:
+        scenario = replace(scenario.replace(seed=seed), text=scenario.text)
+    scenario = scenario if engine is None else scenario.replace(engine=engine)
+    check_guests(scenario.model(), cast(Engine, scenario.run.engine), *guests)
+    return scenario
 
 
-def _engine(scenario: Scenario) -> Engine:
-    return cast(Engine, scenario.run.engine)
-
-
-def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
-    """Return the scenario with another seed, so that the stored one is the one that was run; its text stays as read."""
-    return scenario if seed is None else replace(scenario.replace(seed=seed), text=scenario.text)
+def _in_memory(scenario: Scenario, observe: Observer | None, intervene: Intervention | None) -> Record:
+    """Run a scenario and keep the result in memory."""
+    model, engine, seed = scenario.model(), cast(Engine, scenario.run.engine), scenario.run.seed
+    budget = expected(scenario)
+    check_memory(budget, kept_bytes=budget.result_bytes)
+    intervention = "" if intervene is None else name_of(intervene)
+    kept = KeptRun(extent=extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
+    run_model(model, seed, kept, engine=engine, observe=observe, intervene=intervene)
+    kept.protect()
+    return Record(kept)

@@ -70,7 +70,7 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, A
     known = derivation.derived(found, title, warned=not quiet)
     notes = [*known.notes]
     try:
-        check_disk_space(found, expected(found), f"{file.stem}.h5")
+        check_disk_space(expected(found), f"{file.stem}.h5")
     except Refused as lack:
         notes.append(str(lack))
     return "scenarios", replace(known, rows=(*known.rows, *derivation.cost(counted(found))), notes=tuple(notes))

@@ -108,9 +108,9 @@ def _forecast(scenario: "Scenario", path: Path) -> Answer:
     from rubnoise.cli.derivation import FREE_ROWS, cost
     from rubnoise.storage.forecast import check_disk_space, counted, expected
 
-    check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
+    check_disk_space(expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
-    check_disk_space(scenario, budget, path)
+    check_disk_space(budget, path)
     return Answer(
         title=f"{path}: nothing run, nothing written",
         rows=(*rows("result", ("output", str(path))), *cost(budget)),

@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 from numpy.typing import NDArray
+
+from rubnoise.model import Model
 
 Columns = Mapping[str, NDArray[Any]]
 
@@ -23,6 +25,18 @@ class Extent:
     slider: int | None
     landmarks: int | None = 0
     load: int = 0
+
+    @classmethod
+    def of(cls, model: Model, junctions: int) -> Self:
+        """Return the extent of a run of a model with so many junctions, if its motion does not decide that."""
+        ticks, free = model.tick_count + 1, model.free is not None
+        return cls(
+            junctions=None if free else junctions,
+            ticks=ticks,
+            slider=model.slider_rows,
+            landmarks=None if free or model.is_two_way else 0,
+            load=0 if model.held is None else ticks,
+        )
 
     def rows(self, group: str) -> int | None:
         """Return the number of rows of a group that is named as in a result file; None if it grows."""

@@ -34,7 +34,7 @@ from rubnoise.storage.objects import naming_damage
 from rubnoise.storage.output import OutputInUse, whole_file
 from rubnoise.storage.reader import InUse, TooNew, open_run, refusing
 from rubnoise.storage.schema import Dataset
-from rubnoise.storage.writer import run_writer
+from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.units import RATIO, Quantity
 
@@ -70,7 +70,7 @@ def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watc
             with whole_file(path, force=True) as part:
                 _save(part, point.scenario, summary)
             return summary
-        with run_writer(path, describe(point.scenario, path, command), force=True) as writer:
+        with RunWriter(path, describe(point.scenario, path, command), force=True) as writer:
             return numbers_in(play(writer, point.scenario, watch=watch))
     except (OutputInUse, InUse):
         return None

@@ -99,16 +99,9 @@ Engine = Literal["events", "batch"]
 """How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
 
 
-def extent(model: Model, seed: int, junctions: int | None = None) -> Extent:
-    """Return how many rows a run will have: its births are counted from the gaps alone, unless they are known."""
-    ticks, free = model.tick_count + 1, model.free is not None
-    return Extent(
-        junctions=None if free else junctions or start(model, seed).junctions + count_births(model, seed),
-        ticks=ticks,
-        slider=model.slider_rows,
-        landmarks=None if free or model.is_two_way else 0,
-        load=0 if model.held is None else ticks,
-    )
+def extent(model: Model, seed: int) -> Extent:
+    """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
+    return Extent.of(model, 0 if model.free else start(model, seed).junctions + count_births(model, seed))
 
 
 PROGRAM_BYTES: Final = 225_000_000

@@ -31,13 +31,14 @@ ROOT = Path("/")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
-    """What one run needs.
+    """What one run of a ``scenario`` needs.
 
     result_bytes: of the result before compression, within some kilobytes; disk_bytes: what has to be free for it, with
     the rows that wait beside a part if it is compressed, or their number is not known; working_bytes: memory beside the
     program's own, about; slider_rows_at_most: of /slider in a two-way run, None in others.
     """
 
+    scenario: Scenario
     junctions: int
     ticks: int
     result_bytes: int
@@ -72,17 +73,18 @@ def expected(scenario: Scenario) -> Budget:
     """
     scenario.check_size()
     model = scenario.model()
-    return _budget(scenario, extent(model, scenario.run.seed, round(expected_junction_rows(model))))
+    return _budget(scenario, Extent.of(model, round(expected_junction_rows(model))))
 
 
 def _budget(scenario: Scenario, rows: Extent) -> Budget:
-    model, features = scenario.model(), features_of(scenario.model())
-    most = rows_at_most(model, rows)
+    model = scenario.model()
+    most, features = rows_at_most(model, rows), features_of(model)
     columns = expected_bytes(most, features)
     size = columns + len(scenario.text.encode())
     # Rows that grow, and all of a compressed file, lie beside the part until they are copied into it.
     beside = size if scenario.output.compression == "gzip" else columns - expected_bytes(rows, features)
     return Budget(
+        scenario=scenario,
         junctions=round(expected_junction_rows(model)) if rows.junctions is None else rows.junctions,
         ticks=rows.ticks,
         result_bytes=size,
@@ -118,22 +120,22 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
     return replace(rows, slider=moments, landmarks=ceil(4.0 * periods) + 16)
 
 
-def check_disk_space(scenario: Scenario, budget: Budget, path: str | os.PathLike[str]) -> None:
+def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
     """Refuse a run that needs more disk space or memory than this machine has, and name the keys to change.
 
     Raises OutputRefused if the disk of ``path`` has less free than the result takes, else as `check_memory` does.
     """
-    room, needed, advice = free_disk_bytes(path), budget.disk_bytes, _fewer_rows(scenario)
+    room, needed, advice = free_disk_bytes(path), budget.disk_bytes, _fewer_rows(budget.scenario)
     if needed > room:
         what = "the result" if needed == budget.result_bytes else "the result and the rows that wait beside it"
-        if budget.result_bytes <= room and scenario.output.compression == "gzip":
+        if budget.result_bytes <= room and budget.scenario.output.compression == "gzip":
             advice = 'output.compression = "none" lets none wait'
         there = f"{Path(path).absolute().parent} has room for {room:,}"
         raise OutputRefused(f"{path}: {what} may take {needed:,} bytes, and {there}; {advice}")
-    check_memory(scenario, budget)
+    check_memory(budget)
 
 
-def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> None:
+def check_memory(budget: Budget, *, kept_bytes: int = 0) -> None:
     """Refuse a run that needs more memory than this machine has; ``kept_bytes`` of its result stay in memory, too.
 
     Raises Refused, with the keys to change named.
@@ -143,8 +145,8 @@ def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> 
         return
     remedy = "make interface.mean_junction_count smaller"
     if budget.working_bytes <= kept_bytes:
-        remedy = _fewer_rows(scenario)
-    elif more - room <= budget.working_bytes - working_bytes(scenario.model(), "batch"):
+        remedy = _fewer_rows(budget.scenario)
+    elif more - room <= budget.working_bytes - working_bytes(budget.scenario.model(), "batch"):
         remedy = 'run.engine = "batch" needs less'
     raise Refused(f"the run needs about {_megabytes(more)} of memory more, and {_megabytes(room)} are left; {remedy}")
 

@@ -6,10 +6,10 @@ is run again: its seed gives the same bits.
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from tempfile import TemporaryFile
-from typing import Final
+from typing import Final, Self
 
 import numpy as np
 import xxhash
@@ -28,46 +28,49 @@ SLACK_BYTES: Final = 1 << 16
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
 
 
-@contextmanager
-def run_writer(path: str | os.PathLike[str], about: RunDescription, *, force: bool = False) -> "Iterator[RunWriter]":
-    """Yield the writer of one run to ``path``; if the block ends without ``publish``, an older file there stays.
-
-    Raises OutputRefused (see `part_file`; also for a full disk).
-    """
-    with part_file(path, force=force) as part, ExitStack() as spools:
-        try:
-            writer = RunWriter(part, about, spools)
-        except OSError as problem:
-            raise OutputRefused(f"{part.final}: cannot be written: {reason_of(problem)}") from problem
-        yield writer
-
-
 class RunWriter:
-    """Writes one run: write every row, publish. Memory does not grow with the run.
+    """Writes one run, as a context manager: enter, write every row, publish. Memory does not grow with the run.
 
-    Rows of a group whose size is not known yet wait in files without names in the folder of the result.
+    If the block ends without ``publish``, an older file of this name stays. Rows of a group whose size is not known yet
+    wait in files without names in the folder of the result.
     """
 
-    def __init__(self, part: PartFile, about: RunDescription, spools: ExitStack) -> None:
-        """Make the file with its final structure and size, and the files for rows whose place is not known yet."""
-        self._part, self.about = part, about
-        self._columns: dict[Name, _Column] = {}
+    def __init__(self, path: str | os.PathLike[str], about: RunDescription, *, force: bool = False) -> None:
+        """Take the final name of the file and what it is to hold; nothing is made yet."""
+        self.path, self.about, self._force = path, about, force
+        self._open, self._columns = ExitStack(), dict[Name, _Column]()
+
+    def __enter__(self) -> Self:
+        """Make the file with its structure and size; raises OutputRefused (see `part_file`; also for a full disk)."""
+        with ExitStack() as opened:
+            self._part = opened.enter_context(part_file(self.path, force=self._force))
+            try:
+                self._begin(self._part, opened)
+            except OSError as problem:
+                raise OutputRefused(f"{self._part.final}: cannot be written: {reason_of(problem)}") from problem
+            self._open = opened.pop_all()
+        return self
+
+    def __exit__(self, *problem: object) -> None:
+        self._open.close()
+
+    def _begin(self, part: PartFile, opened: ExitStack) -> None:
         with hdf5_on(part.descriptor, "w") as file:
-            places = compose(file, about)
+            places = compose(file, self.about)
         part.reserve(os.fstat(part.descriptor).st_size + SLACK_BYTES)
-        groups = stored_groups(about.features)
+        groups = stored_groups(self.about.features)
         self._later = [group for group in groups if (group.name, group.columns[0].name) not in places]
         for group in groups:
-            rows = row_count(group, about.extent)
+            rows = row_count(group, self.about.extent)
             for column in group.columns:
                 name, dtype = (group.name, column.name), np.dtype(column.dtype)
                 descriptor, place = part.descriptor, places.get(name, 0)
                 if group in self._later:
-                    spool = spools.enter_context(TemporaryFile(buffering=0, dir=part.final.parent))  # noqa: SIM115  (it ends with the writer)
-                    descriptor = spool.fileno()
+                    spool = TemporaryFile(buffering=0, dir=part.final.parent)  # noqa: SIM115  (it ends with the writer)
+                    descriptor = opened.enter_context(spool).fileno()
                     part.reserve((rows or 0) * dtype.itemsize, descriptor)
                 self._columns[name] = _Column(dtype, descriptor, place, rows)
-        for table, columns in life_tables(about.pulse).items():
+        for table, columns in life_tables(self.about.pulse).items():
             for each, values in columns.items():
                 if (table, each) in self._columns:
                     self._columns[table, each].write(0, values)
