@@ -225,7 +225,7 @@ def rivals(count: int, seed: int, stories: Sequence[Story] = LONG) -> Outcome:
             first, deadline = story.begin(folder), time.monotonic() + SECONDS
             while not (folder / PART).exists() and time.monotonic() < deadline:
                 time.sleep(0.001)
-            time.sleep(chance(seed, turn).uniform(0.0, 0.02))
+            time.sleep(chance(seed, turn).uniform(0.005, 0.02))  # in which it locks its part
             os.kill(first.number, signal.SIGSTOP)  # or it might end before the second begins
             second = story.begin(folder, *["--force"] * (turn % 2)).end()
             os.kill(first.number, signal.SIGCONT)
