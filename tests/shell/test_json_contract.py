@@ -170,8 +170,10 @@ def test_csv_has_every_value_of_an_answer(here: Path) -> None:
     long = ("run", "full.toml", "-o", "long.h5", "--set", "sliding.distance=700 um", "--force")
     made = ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1")
     of_run = (("info", "long.h5"), ("compare", "long.h5"), ("verify", "long.h5"), ("infer", "long.h5"))
-    for asked in (long, made, ("info", "swept"), *of_run, ("theory", "full.toml"), ("run", "full.toml", "--dry-run")):
+    others = ("theory", "full.toml"), ("run", "full.toml", "--dry-run"), ("check", "full.toml")
+    for asked in (long, made, ("info", "swept"), *of_run, *others):
         as_csv, as_json = call(*asked, "--csv"), call(*asked, "--json").json()
+        as_json = as_json["scenarios"]["full.toml"] if asked[0] == "check" else as_json
         told = {(each["part"], each["name"]): each["value"] for each in csv.DictReader(StringIO(as_csv.out))}
         for part, rows in as_json.items():
             for name, row in rows.items() if isinstance(rows, dict) else ():

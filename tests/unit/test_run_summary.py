@@ -20,7 +20,7 @@ from rubnoise.analysis.run_summary import CURVES, RunLayout, SummarySink, curve_
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.record.tally import Moments
+from rubnoise.record.moments import Moments
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.moments import area_cumulants
 from tests.laws.scores import seed_of

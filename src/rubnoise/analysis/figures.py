@@ -21,8 +21,8 @@ from rubnoise.answer import Row
 from rubnoise.contact.births import RegularBirths
 from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model
+from rubnoise.record.moments import Moments
 from rubnoise.record.rows import LandmarkKind
-from rubnoise.record.tally import Moments
 from rubnoise.theory import sampling, second_order
 from rubnoise.theory.coupling import coupling, free_motion, load_motion, weak_motion, weak_motion_errors
 from rubnoise.theory.moments import Cumulants, area_cumulants, count_variance, force_cumulants
@@ -183,7 +183,7 @@ FIGURES: Final = (
     Figure("load_std", BORNE, load_motion, "load_std", sampling.load_errors, (6, 0)),
     Figure("friction_force_std", RUBBED, _force, "std", _force_errors, (6, 0), kept=False),
 )
-"""The moments of columns that a run has. Those of a two-way slider's whole time are in `_two_way_motion`."""
+"""The moments of columns that a run has; what /balance and /landmarks of a two-way slider add is in `_pushed_back`."""
 
 KEPT: Final = {figure.name: figure for figure in FIGURES if figure.kept}
 """The figures of a summary by name, in its order."""

@@ -1,7 +1,7 @@
 """What is measured of a run: one sink that sums up the rows of a run, of a record or of a file.
 
-Every figure of a comparison reads it, and memory does not grow with the run. Moments are over the part of each group in
-which the start is forgotten (`Sampling`).
+Every figure of a summary and of a comparison reads it, and memory does not grow with the run. Moments are over the part
+of each group in which the start is forgotten.
 """
 
 from collections.abc import Mapping
@@ -25,10 +25,10 @@ from rubnoise.contact.distributions import Fixed
 from rubnoise.contact.pulses import area_of
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
+from rubnoise.record.moments import WATCHED, Moments, Slips
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import JunctionState, LandmarkKind
 from rubnoise.record.sink import Columns
-from rubnoise.record.tally import WATCHED, Moments, Slips
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sizes import longest_life
 

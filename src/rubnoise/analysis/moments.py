@@ -1,4 +1,4 @@
-"""The length that a record needs for errors of its moments, and the errors of the contact's autocovariances."""
+"""Where a run forgets its start, the length that errors of its moments need, and errors of its autocovariances."""
 
 from contextlib import suppress
 from dataclasses import replace

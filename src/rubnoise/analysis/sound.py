@@ -12,8 +12,8 @@ from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
+from rubnoise.record.moments import Moments
 from rubnoise.record.reader import Reader, column_chunks
-from rubnoise.record.tally import Moments
 from rubnoise.scenario.reading import stored
 from rubnoise.storage import schema
 

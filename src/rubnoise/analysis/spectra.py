@@ -14,8 +14,8 @@ from rubnoise.analysis.moments import settled
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.record.moments import Moments
 from rubnoise.record.reader import Rows, column_chunks
-from rubnoise.record.tally import Moments
 from rubnoise.theory.coupling import THIRD, band_numbers, level, third_octaves
 from rubnoise.theory.motion import FORCE, density_of, need_friction
 from rubnoise.theory.sizes import COARSE, sizes_of

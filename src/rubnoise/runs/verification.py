@@ -26,10 +26,10 @@ from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
 from rubnoise.figure_names import DONE
+from rubnoise.record.moments import Moments
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Columns, Extent, Tee
-from rubnoise.record.tally import Moments
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import RUNS, SUFFIXES, Figures, figures_in, name_in, numbers_in, read, scenario_in, summarised
 from rubnoise.runs.making import describe

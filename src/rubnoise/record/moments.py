@@ -15,7 +15,7 @@ WATCHED = {
     "slider": {"displacement": 2, "velocity": 2},
     "load": {"separation": 2, "velocity": 2, "load": 2},
 }
-"""Which columns are tallied, by group, and to which power."""
+"""Columns of which moments are taken, by group, and up to which power."""
 
 
 @dataclass(slots=True)
