@@ -13,7 +13,8 @@ import pytest
 import xarray
 
 from rubnoise.contact.pulses import LENS
-from rubnoise.storage.layout import CURVE_ROWS, stored_groups
+from rubnoise.storage.layout import stored_groups
+from rubnoise.storage.life_curve import CURVE_ROWS
 from rubnoise.storage.schema import GROUPS, Group
 from tests.files.runs import EVERYTHING, describe, random_rows, write_run
 

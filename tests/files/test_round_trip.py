@@ -16,7 +16,8 @@ from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.sink import Tee
 from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
-from rubnoise.storage.layout import RunDescription, expected_bytes, features_of, life_curve, row_count, stored_groups
+from rubnoise.storage.layout import RunDescription, expected_bytes, features_of, row_count, stored_groups
+from rubnoise.storage.life_curve import life_curve
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import HASH, JUNCTIONS, Feature
 from rubnoise.storage.writer import RunWriter

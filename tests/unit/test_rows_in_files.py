@@ -12,7 +12,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.record.sink import Extent
 from rubnoise.scenario.reading import stored
-from rubnoise.storage.layout import JUNCTION_AREA_FORMULAS, life_curve
+from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve
 
 # Junctions of a result have the pulse of the run, from the scenario in the file alone.
 SCENARIO = """format = 1

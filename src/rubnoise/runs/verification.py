@@ -39,7 +39,8 @@ from rubnoise.scenario.sweep import name_of
 from rubnoise.simulation.run import Ended, simulate
 from rubnoise.storage.format import seal_of
 from rubnoise.storage.index import read_index
-from rubnoise.storage.layout import environment, life_tables
+from rubnoise.storage.layout import environment
+from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.objects import expected_inventory
 from rubnoise.storage.output import PART
 from rubnoise.storage.reader import UNREADABLE, RunFile, open_run, refusing
@@ -330,8 +331,7 @@ def verify_sweep(
             incomplete.update(found.left_out.items())
             for check in found.different:
                 runs.differ(f"{place} {check.first}")
-        omitted = [*_left_out(root, incomplete), *_compare_index(index, root, figures)]
-        return verification(checks, omitted)
+        return verification(checks, [*_left_out(root, incomplete), *_compare_index(index, root, figures)])
     except OSError as problem:  # a folder in it may be closed to who asks, or be on a disk that fails
         raise RunFileRefused(f"{problem.filename or root}: {(problem.strerror or str(problem)).lower()}") from problem
 

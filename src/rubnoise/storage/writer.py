@@ -20,7 +20,8 @@ from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.record.sink import Columns
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.format import add_group, complete, compose, hdf5_on
-from rubnoise.storage.layout import Name, RunDescription, life_tables, now, row_count, stored_groups
+from rubnoise.storage.layout import Name, RunDescription, now, row_count, stored_groups
+from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.output import PartFile, naming_file, part_file, reason_of
 from rubnoise.storage.schema import Group, Scalar
 
