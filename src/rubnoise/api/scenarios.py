@@ -35,7 +35,8 @@ def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = (
     if isinstance(source, Scenario):
         parted = (each.partition("=") for each in overrides)
         return source.replace({key.strip(): override_value(value) for key, _, value in parted}) if overrides else source
-    path = named(_path(source))
+    given = _path(source)
+    path = named(given)
     with suppress(OSError):  # which reading the file says better
         if is_hdf5(path):
             raise ScenarioRefused(f'{path}: is a result, not a scenario; rubnoise.open("{path}") reads it')
