@@ -58,30 +58,10 @@ FIGURE_NAMES: Final = (
     QUANTITIES | {"friction_coefficient": FigureName("coefficient of friction", "", "hardness")} | TWO_WAY
 )
 
-_UNITS: Final = {
-    "birth_gap": "um",
-    "start_": "",
-    "diameter": "um",
-    "shear_strength": "MPa",
-    "real_contact_area_autocovariance": "um^4",
-    "real_contact_area": "um^2",
-    "friction_force": "uN",
-    "spectrum": "um^4",
-    "displacement": "um",
-    "velocity": "um/s",
-    "separation": "um",
-    "normal_velocity": "um/s",
-    "load": "uN",
-    "mean_force": "uN",
-}
-"""Units of the other figures, by how their names begin; the first that fits."""
-
-_PLAIN: Final = ("kolmogorov", "variation", "skewness", "kurtosis")
-"""Ends of names of figures without a unit."""
+_OTHERS: Final = {"separation_mean": "um"}
+"""Units of figures that a comparison alone has."""
 
 
 def unit_of(name: str) -> str:
-    """Return the unit of a figure of a summary or a comparison; empty for a pure number."""
-    if name in FIGURE_NAMES:
-        return FIGURE_NAMES[name].unit
-    return "" if name.endswith(_PLAIN) else next((unit for begin, unit in _UNITS.items() if name.startswith(begin)), "")
+    """Return the unit of a figure of a summary or of a moment in a comparison; empty for a pure number."""
+    return FIGURE_NAMES[name].unit if name in FIGURE_NAMES else _OTHERS.get(name, "")

@@ -153,7 +153,7 @@ def test_a_run_agrees_with_its_theory_and_not_with_another() -> None:
 
 
 # Measured beside exact: scores, and the way into a file and back.
-FULL = findings.figure("real_contact_area_mean", 206.0, 204.0, 0.5)
+FULL = findings.figure("real_contact_area_mean", 206.0, 204.0, 0.5, unit="um^2")
 
 
 def test_a_score_counts_standard_errors() -> None:

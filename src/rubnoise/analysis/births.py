@@ -109,14 +109,14 @@ def number_variance(model: Model, length: float) -> float:
     return model.birth_rate * (length + more + 2.0 * model.birth_rate * kept)
 
 
-def scattered(name: str, means: Doubles, expected: float) -> Row:
+def scattered(name: str, means: Doubles, expected: float, unit: str = "") -> Row:
     """Return the mean of independent stretches with the error of their scatter; its score is Student's t."""
     from scipy.special import stdtr
 
     error = float(means.std(ddof=1)) / sqrt(means.size)
     t = (float(means.mean()) - expected) / error if error else 0.0
     deviate = findings.normal_deviate(float(stdtr(means.size - 1, t)), float(stdtr(means.size - 1, -t)))
-    return findings.figure(name, float(means.mean()), expected, error, deviate)
+    return findings.figure(name, float(means.mean()), expected, error, deviate, unit=unit)
 
 
 def start(seen: MeasuredRun) -> Iterator[Row]:
@@ -153,7 +153,7 @@ def marks(seen: MeasuredRun) -> Iterator[Row]:
     if low == high:
         yield _alike(seen, "diameter", model.sizes.moment(1), "um")
     else:
-        yield from _drawn(seen, "diameter", model.sizes)
+        yield from _drawn(seen, "diameter", model.sizes, "um")
         if found.count >= findings.FEWEST and not has_single_values(model.sizes):
             yield findings.kolmogorov_figure("diameter_kolmogorov", found.sizes.distance(), found.count)
     if model.pulse.offset != "none" and found.count >= findings.FEWEST:
@@ -161,14 +161,14 @@ def marks(seen: MeasuredRun) -> Iterator[Row]:
     if isinstance(model.strengths, Fixed):
         yield _alike(seen, "shear_strength", model.strengths.mean, "MPa")
     elif model.strengths is not None:
-        yield from _drawn(seen, "shear_strength", model.strengths)
+        yield from _drawn(seen, "shear_strength", model.strengths, "MPa")
 
 
-def _alike(seen: MeasuredRun, name: str, value: float, units: str) -> Row:
-    return findings.identity(name, seen.births.deviations[name], ROUNDING * value, units)
+def _alike(seen: MeasuredRun, name: str, value: float, unit: str) -> Row:
+    return findings.identity(name, seen.births.deviations[name], ROUNDING * value, unit)
 
 
-def _drawn(seen: MeasuredRun, name: str, law: Law) -> Iterator[Row]:
+def _drawn(seen: MeasuredRun, name: str, law: Law, unit: str) -> Iterator[Row]:
     """Yield mean and std of independent values: errors std/sqrt(n), and sqrt((mu_4 - mu_2^2)/n) over 2 std."""
     found = seen.births.moments[name]
     mean, length = law.moment(1), found.count * seen.model.mean_birth_spacing
@@ -178,13 +178,13 @@ def _drawn(seen: MeasuredRun, name: str, law: Law) -> Iterator[Row]:
         yield findings.too_short(f"{name}_mean", longer(length, skewness, findings.LARGEST_SKEWNESS))
     else:
         error = std / sqrt(found.count)
-        yield findings.figure(f"{name}_mean", found.mean, mean, error)
+        yield findings.figure(f"{name}_mean", found.mean, mean, error, unit=unit)
     if std < _NARROW * mean:
         yield left_out(f"{name}_std", "the law is too narrow for its moments to show it")
         return
     error = sqrt((fourth - second**2) / found.count) / (2.0 * std)
     tail = findings.tail_of_squares(law, mean, found.count, length)
-    yield findings.judged(f"{name}_std", found.std, std, error, length=length, tail=tail)
+    yield findings.judged(f"{name}_std", found.std, std, error, length=length, tail=tail, unit=unit)
 
 
 def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float]:

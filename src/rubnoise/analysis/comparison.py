@@ -5,7 +5,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from math import inf, sqrt
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -71,9 +71,8 @@ def memory(seen: MeasuredRun) -> Iterator[Row]:
     errors, found = covariance_errors(model, lags, length, step), seen.products.covariances()
     scale, tail = float(autocovariance(model, np.zeros(1))[0]), findings.tail_of(model, length, 5)
     for lag, *values in zip(lags.tolist(), found.tolist(), exact.tolist(), errors.tolist(), strict=True):
-        yield findings.judged(
-            f"real_contact_area_autocovariance_{lag:.3g}", *values, length=length, scale=scale, tail=tail
-        )
+        name = f"real_contact_area_autocovariance_{lag:.3g}"
+        yield findings.judged(name, *values, length=length, scale=scale, tail=tail, unit="um^4")
 
 
 def spectrum(seen: MeasuredRun) -> Iterator[Row]:
@@ -92,7 +91,8 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
     for band in band_powers(model, found, expected, length, BANDS):
         name = f"spectrum_{band.lowest:.3g}_to_{band.highest:.3g}"
         tail = _band_tail(model, band, tails[6 if band.lowest * model.calibrated_diameter < np.pi else 2], length)
-        yield findings.judged(name, band.observed, band.expected, band.standard_error, length=length, tail=tail)
+        seen_and_expected = band.observed, band.expected, band.standard_error
+        yield findings.judged(name, *seen_and_expected, length=length, tail=tail, unit="um^4")
 
 
 def _band_tail(model: Model, band: Band, of_sizes: findings.Tail, length: float) -> findings.Tail:
@@ -178,8 +178,8 @@ def mean_force(seen: MeasuredRun) -> Iterator[Row]:
     share = found.distance / (found.speed * found.time)
     expected = force_cumulants(model).mean * share + found.expected_excess()
     error, tail = mean_force_error(model, model.distance) * share, findings.tail_of(model, model.distance, 3, 1)
-    value = found.mean_force
-    yield findings.judged("mean_force", value, expected, error, length=model.distance, skewness=0.0, tail=tail)
+    how: Mapping[str, Any] = {"length": model.distance, "skewness": 0.0, "tail": tail, "unit": "uN"}
+    yield findings.judged("mean_force", found.mean_force, expected, error, **how)
 
 
 def motion(seen: MeasuredRun) -> Iterator[Row]:
@@ -241,10 +241,10 @@ def flight(seen: MeasuredRun, free: FreeSeparation) -> Iterator[Row]:
         yield findings.too_short("load_mean", 2 * STRETCHES**2 * seen.model.tick)
         return
     gained = (held.mass * found["velocity"].gained + held.damping * found["separation"].gained) / step
-    yield scattered("load_mean", found["load"].means - gained, held.load)
+    yield scattered("load_mean", found["load"].means - gained, held.load, "uN")
     if free.restitution == 1.0:
         means = found["real_contact_area"].means - gained / held.hardness
-        yield scattered("real_contact_area_mean", means, seen.model.mean_real_contact_area)
+        yield scattered("real_contact_area_mean", means, seen.model.mean_real_contact_area, "um^2")
 
 
 Producer = Callable[[MeasuredRun], Iterator[Row]]

@@ -19,9 +19,8 @@ from rubnoise.analysis.measured import Measured, MeasuredRun
 from rubnoise.analysis.moments import FEWEST_LIVES, over_ticks, settled
 from rubnoise.answer import Row
 from rubnoise.contact.births import RegularBirths
-from rubnoise.figure_names import FIGURE_NAMES
+from rubnoise.figure_names import FIGURE_NAMES, unit_of
 from rubnoise.model import Model
-from rubnoise.record.moments import Moments
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.theory import sampling, second_order
 from rubnoise.theory.coupling import coupling, free_motion, load_motion, weak_motion, weak_motion_errors
@@ -93,8 +92,8 @@ class Figure:
 
     ``of`` is the law's attribute and the name of the error; without it the law is the exact value itself. A law is None
     if the model has no such column. ``scale``: what the error is measured by, if it is not the exact value. ``over``:
-    what a summary divides moment, exact value and error by. A figure without ``powers`` is in no comparison; ``kept``:
-    whether it is in a summary.
+    what moment, exact value and error are divided by. A figure without ``powers`` is in no comparison, one that is not
+    ``kept`` in no summary.
     """
 
     name: str
@@ -104,33 +103,56 @@ class Figure:
     errors: Errors
     powers: tuple[int, int] | None = None
     scale: float | None = None
-    over: Callable[[Model], float] | None = None
+    over: Callable[[Model], float] = lambda _: 1.0
     kept: bool = True
-
-    @property
-    def error(self) -> str:
-        """Its name among the errors of its column."""
-        return self.of or self.name
 
     @property
     def moment(self) -> str:
         """The moment of the column."""
-        return next(each for each in _MOMENTS if each in self.error)
+        return next(each for each in _MOMENTS if each in (self.of or self.name))
 
-    def exact(self, model: Model) -> float:
-        """Return the exact value; nan if the model has no such column."""
-        known = self.law(model)
-        return nan if known is None else float(getattr(known, self.of) if self.of else known)
-
-    def divisor(self, model: Model) -> float:
-        """Return what a summary divides moment, exact value and error by."""
-        return 1.0 if self.over is None else self.over(model)
+    def column_in(self, model: Model) -> tuple[str, str]:
+        """Return the column by its group; under a load the force is judged with the load."""
+        return RUBBED if self.column == FORCE and model.held is not None else self.column
 
     def is_of(self, model: Model) -> bool:
         """Whether the summaries of a model's runs have the figure."""
         known = FIGURE_NAMES[self.name]
         there = not known.needs or getattr(model, _IN_MODEL.get(known.needs, known.needs)) is not None
         return there and not (known.one_way and model.is_two_way)
+
+    def exact(self, model: Model) -> float | None:
+        """Return the exact value of a run of a model; None if theory does not give it."""
+        if model.free is not None:
+            known = free_motion(model)
+            means = {BORNE: known.load_mean, AREA: known.area_mean, FORCE: known.force_mean}
+            found = means.get(self.column, nan) if self.moment == "mean" else nan
+        elif self.column[0] == "slider" and model.is_two_way and coupling(model).unknown is not None:
+            return None
+        else:
+            law = self.law(model)
+            found = nan if law is None else float(getattr(law, self.of) if self.of else law)
+        return None if isnan(found) else found / self.over(model)
+
+    def error(self, model: Model) -> float | None:
+        """Return the standard error over a run, from where its start is forgotten; None if it has none.
+
+        Short runs have errors of means only, and free motion has no theory of errors.
+        """
+        group, _ = self.column_in(model)
+        first = settled(model)[group]
+        if first is None or model.free is not None:
+            return None
+        short = model.distance - first * model.tick < FEWEST_LIVES * model.mean_life_distance
+        if group == "trace" and self.moment != "mean" and short:
+            return None
+        found = _errors(self.errors, model, model.tick_count + 1 - first).get(self.of or self.name)
+        return None if found is None else found / self.over(model)
+
+    def measured(self, seen: Measured) -> float | None:
+        """Return what was measured of a run; None without rows."""
+        found = seen.moments.get(self.column_in(seen.model))
+        return getattr(found, self.moment) / self.over(seen.model) if found is not None and found.count else None
 
 
 _IN_MODEL: Final = {"strength": "strengths", "load": "held"}
@@ -177,11 +199,9 @@ FIGURES: Final = (
     Figure("one_way_validity", SPEED, motion_of, "velocity_std", _motion_errors, over=_speed),
     Figure("separation_mean", GAP, lambda _: 0.0, "", sampling.load_errors, (3, 0), kept=False),
     Figure("load_mean", BORNE, _load, "", sampling.load_errors, (3, 0)),
-    Figure("friction_force_mean", RUBBED, _force, "mean", _force_errors, (3, 0), kept=False),
     Figure("separation_std", GAP, load_motion, "separation_std", sampling.load_errors, (6, 0)),
     Figure("normal_velocity_std", RISE, load_motion, "velocity_std", sampling.load_errors, (6, 0)),
     Figure("load_std", BORNE, load_motion, "load_std", sampling.load_errors, (6, 0)),
-    Figure("friction_force_std", RUBBED, _force, "std", _force_errors, (6, 0), kept=False),
 )
 """The moments of columns that a run has; what /balance and /landmarks of a two-way slider add is in `_pushed_back`."""
 
@@ -195,70 +215,43 @@ def _errors(errors: Errors, model: Model, ticks: int) -> dict[str, float]:
     return errors(over_ticks(model, max(ticks, 2), model.tick), ticks * model.tick)
 
 
-# A comparison.
 def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Row]:
-    """Yield every moment of some columns that the run has, and of which theory knows the error."""
+    """Yield, for a comparison, every moment of some columns that the run has, and of which theory knows the error."""
     model = seen.model
     for figure in FIGURES:
-        found = seen.moments.get(figure.column)
-        if figure.powers is None or figure.column not in columns or found is None or not found.count:
+        if figure.powers is None or figure.column_in(model) not in columns:
             continue
-        errors, length = _errors(figure.errors, model, found.count), found.count * model.tick
-        if figure.error not in errors:
-            continue
-        value, exact = getattr(found, figure.moment), figure.exact(model)
-        tail, error = tail_of(model, length, *figure.powers), errors[figure.error]
-        scale, skewness = figure.scale, 0.0 if figure.moment == "mean" else SKEWNESS
-        yield judged(figure.name, value, exact, error, length=length, scale=scale, skewness=skewness, tail=tail)
+        value, (exact, error) = figure.measured(seen), _known(figure, model)
+        if value is not None and exact is not None and error is not None:
+            length = seen.moments[figure.column_in(model)].count * model.tick
+            yield judged(
+                figure.name,
+                value,
+                exact,
+                error,
+                length=length,
+                scale=figure.scale,
+                skewness=0.0 if figure.moment == "mean" else SKEWNESS,
+                tail=tail_of(model, length, *figure.powers),
+                unit=unit_of(figure.name),
+            )
 
 
-# A summary.
 def summarise(seen: Measured) -> list[Row]:
     """Return every figure of a run with its exact value, and its standard error if it has one."""
-    model, rows = seen.model, []
-    for name, (exact, error) in theory_of(model).items():
-        found = seen.moments.get(column_of(model, name), Moments())
-        if found.count:
-            value = getattr(found, KEPT[name].moment) / KEPT[name].divisor(model)
-            rows.append(findings.figure(name, value, exact, error))
+    rows = []
+    for name, figure in KEPT.items():
+        value = figure.measured(seen) if figure.is_of(seen.model) else None
+        if value is not None:
+            rows.append(findings.figure(name, value, *_known(figure, seen.model), unit=unit_of(name)))
     return [*rows, *_pushed_back(seen)]
 
 
-def column_of(model: Model, name: str) -> tuple[str, str]:
-    """Return the column of a figure; under a load the force is judged with the load."""
-    column = KEPT[name].column if name in KEPT else ("", "")
-    return RUBBED if column == FORCE and model.held is not None else column
-
-
-@lru_cache(maxsize=8)
-def theory_of(model: Model) -> dict[str, tuple[float | None, float | None]]:
-    """Return exact value and standard error of the figures of a model's runs; None for those that theory does not give.
-
-    Cached, since the runs of a sweep often differ only in their seed.
-    """
-    found = {}
-    for name, figure in KEPT.items():
-        if figure.is_of(model):
-            exact = expected_figure(model, name)
-            error = None if isnan(exact) else _error(model, figure)
-            found[name] = None if isnan(exact) else exact, None if error is None else error / figure.divisor(model)
-    return found
-
-
-def _error(model: Model, figure: Figure) -> float | None:
-    """Return the error of a figure over a run, from where its start is forgotten; None if it has none.
-
-    Short runs, and births that are not a Poisson process, have errors of means only, and free motion has no theory of
-    errors.
-    """
-    group, _ = column_of(model, figure.name)
-    first = settled(model)[group]
-    if first is None or model.free is not None:
-        return None
-    short = model.distance - first * model.tick < FEWEST_LIVES * model.mean_life_distance
-    if group == "trace" and figure.moment != "mean" and (short or not second_order.are_at_random(model)):
-        return None
-    return _errors(figure.errors, model, model.tick_count + 1 - first).get(figure.error)
+@lru_cache(maxsize=64)
+def _known(figure: Figure, model: Model) -> tuple[float | None, float | None]:
+    """Return exact value and standard error; cached, since the runs of a sweep often differ only in their seed."""
+    exact = figure.exact(model)
+    return exact, None if exact is None else figure.error(model)
 
 
 def expected_figure(model: Model, name: str) -> float:
@@ -267,15 +260,8 @@ def expected_figure(model: Model, name: str) -> float:
     nan if the model has no such figure, or theory does not give it.
     """
     figure = KEPT.get(name)
-    if figure is None or not figure.is_of(model):
-        return nan
-    if model.free is not None:
-        known = free_motion(model)
-        means = {BORNE: known.load_mean, AREA: known.area_mean, FORCE: known.force_mean}
-        return means.get(figure.column, nan) / figure.divisor(model) if figure.moment == "mean" else nan
-    if figure.column[0] == "slider" and model.is_two_way and coupling(model).unknown is not None:
-        return nan
-    return figure.exact(model) / figure.divisor(model)
+    exact = figure.exact(model) if figure is not None and figure.is_of(model) else None
+    return nan if exact is None else exact
 
 
 def _pushed_back(seen: Measured) -> Iterator[Row]:
@@ -295,4 +281,4 @@ def _pushed_back(seen: Measured) -> Iterator[Row]:
         ("mean_force_excess", found.excess_over(found.friction_along), found.expected_excess()),
         ("energy_residual", found.energy_residual, 0.0),
     ):
-        yield findings.figure(name, value, exact, None)
+        yield findings.figure(name, value, exact, None, unit=unit_of(name))

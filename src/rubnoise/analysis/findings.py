@@ -174,6 +174,7 @@ def judged(
     scale: float | None = None,
     skewness: float = SKEWNESS,
     tail: Tail = NORMAL,
+    unit: str = "",
 ) -> Row:
     """Return a figure with its score, or the length that it needs if its law is not close enough to normal for one.
 
@@ -193,7 +194,7 @@ def judged(
     if z is not None and z * skewed > 0.0:
         third = skewed / 3.0
         z = log1p(third * z) / third
-    return figure(name, observed, expected, error, z)
+    return figure(name, observed, expected, error, z, unit=unit)
 
 
 def too_short(name: str, needed: float) -> Row:
@@ -299,7 +300,9 @@ FAMILY_WISE_ERROR = 1e-3
 """Probability that any figure at all of a right run lies outside of the family-wise bound."""
 
 
-def figure(name: str, value: float, exact: float | None, error: float | None, z: float | None = None) -> Row:
+def figure(
+    name: str, value: float, exact: float | None, error: float | None, z: float | None = None, *, unit: str = ""
+) -> Row:
     """Return a measured figure beside its exact value and standard error, None if theory gives none.
 
     The score z is the distance in standard errors, None if that is not known. It is given if the law of the figure is
@@ -307,7 +310,7 @@ def figure(name: str, value: float, exact: float | None, error: float | None, z:
     """
     if z is None and exact is not None and error:
         z = (value - exact) / error
-    return Row(name=name, value=value, unit=unit_of(name), exact=exact, error=error, z=z)
+    return Row(name=name, value=value, unit=unit, exact=exact, error=error, z=z)
 
 
 def attributes_of(figures: Iterable[Row]) -> dict[str, float]:
@@ -323,7 +326,7 @@ def from_attributes(attributes: Mapping[str, object]) -> list[Row]:
     """Return the figures of a result file's /summary, in its order."""
     numbers = {name: float(value) for name, value in attributes.items() if isinstance(value, int | float)}
     return [
-        figure(name, value, numbers.get(name + EXACT), numbers.get(name + ERROR))
+        figure(name, value, numbers.get(name + EXACT), numbers.get(name + ERROR), unit=unit_of(name))
         for name, value in numbers.items()
         if not name.endswith((EXACT, ERROR))
     ]

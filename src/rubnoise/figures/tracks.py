@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from math import ceil, floor, inf
+from math import ceil, floor, inf, isnan
 from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.figures import FIGURES
+from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.selection import first_row
 from rubnoise.analysis.spectra import force_spectrum
@@ -133,7 +133,6 @@ class DrawnColumn:
         return f"{self.words} ({self.unit})" if self.unit else self.words
 
 
-EXACT: Final = {figure.name: figure.exact for figure in FIGURES}
 BASE: Final = "base_displacement"
 QUANTITIES: Final[Mapping[str, DrawnColumn]] = {
     "area": DrawnColumn("real contact area", "trace", "real_contact_area", "µm²", "real_contact_area"),
@@ -267,8 +266,8 @@ class Track:
         if stem == BASE:
             area = area_cumulants(model)
             return model.base_per_area * area.mean, model.base_per_area * area.std
-        mean = EXACT.get(f"{stem}_mean")
-        return scale * (mean(model) if mean else 0.0), scale * EXACT[f"{stem}_std"](model)
+        mean, std = (expected_figure(model, f"{stem}_{moment}") for moment in ("mean", "std"))
+        return scale * (0.0 if isnan(mean) else mean), scale * std
 
     def density(self, place: Doubles) -> Doubles:
         """Return the exact two-sided density per rad/um, or rad/s of what has times, in the square of the axis's unit.

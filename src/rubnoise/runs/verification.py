@@ -19,14 +19,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.figures import KEPT, column_of, summarise
+from rubnoise.analysis.figures import KEPT, summarise
 from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.measured import Measured
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
 from rubnoise.figure_names import DONE
-from rubnoise.record.moments import Moments
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Columns, Extent, Tee
@@ -290,11 +289,12 @@ def _summary_check(seen: Measured, stored: Mapping[str, object]) -> Check:
 
 def _allowed(figure: Row, measured: Measured) -> float:
     """Return the allowed deviation of a measured figure; the shape of a column that is constant to rounding is free."""
-    seen = measured.moments.get(column_of(measured.model, figure.name), Moments())
+    if (kept := KEPT.get(figure.name)) is None:
+        return MEASURED * abs(figure.value)
+    seen = measured.moments[kept.column_in(measured.model)]
     if figure.name.endswith(("_skewness", "_kurtosis")):
         return MEASURED * max(abs(figure.value), 1.0) if seen.std > _CONSTANT * abs(seen.mean) else inf
-    divisor = KEPT[figure.name].divisor(measured.model) if figure.name in KEPT else 1.0
-    return MEASURED * (abs(figure.value) + (seen.std + 1e-3 * abs(seen.mean)) / divisor)
+    return MEASURED * (abs(figure.value) + (seen.std + 1e-3 * abs(seen.mean)) / kept.over(measured.model))
 
 
 def verify_sweep(
