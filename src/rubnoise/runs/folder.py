@@ -172,8 +172,6 @@ ABOUT: Final = {
 }
 """The columns of runs that are neither swept keys nor figures, and what they mean."""
 
-_FILE_KEYS: Final = ("diameter.file", "diameter.column")
-
 
 def index_of(
     sweep: Sweep, points: Sequence[Point], found: Mapping[str, Figures], failed: Mapping[str, str], command: str
@@ -183,29 +181,21 @@ def index_of(
     for point in points:
         firsts.setdefault(tuple(point.values.values()), point)
     places = {values: number for number, values in enumerate(firsts)}
-    numbers = [places[tuple(point.values.values())] for point in points]
-    runs, names = [found.get(point.run_id, {}) for point in points], [point.run_id for point in points]
-    states = [DONE if name in found else FAILED if name in failed else PLANNED for name in names]
-    reasons = [in_few(failed[name]) if state == FAILED else "" for name, state in zip(names, states, strict=True)]
-    kept = found if sweep.keep == "runs" else {}
-    values = {
-        "run": range(len(points)),
-        "run_id": names,
-        "point": numbers,
-        "replicate": [point.replicate for point in points],
-        "seed": [point.seed for point in points],
-        "file": [file_of(Path(), name, "runs").as_posix() if name in kept else "" for name in names],
-        "state": states,
-        "reason": reasons,
-    }
-    about = [_column(name, meaning, values[name]) for name, meaning in ABOUT.items()]
+    numbers, rows = [places[tuple(point.values.values())] for point in points], list[tuple[Any, ...]]()
+    for row, (point, number) in enumerate(zip(points, numbers, strict=True)):
+        name = point.run_id
+        state = DONE if name in found else FAILED if name in failed else PLANNED
+        file = file_of(Path(), name, "runs").as_posix() if state == DONE and sweep.keep == "runs" else ""
+        reason = in_few(failed[name]) if state == FAILED else ""
+        rows.append((row, name, number, point.replicate, point.seed, file, state, reason))
+    about = [_column(*each, values) for each, values in zip(ABOUT.items(), zip(*rows, strict=True), strict=True)]
     keys = [_swept(key, [point.scenario for point in firsts.values()]) for key in sweep.keys]
-    swept = [replace(key, values=key.values[numbers]) for key in keys]
     of_points = [
         _column("point", "number of the point", range(len(firsts))),
         _column("values", "swept values as written, as JSON", [*map(_values_of, firsts.values())]),
         *keys,
     ]
+    swept, runs = [replace(key, values=key.values[numbers]) for key in keys], [found.get(row[1], {}) for row in rows]
     of_runs = [*about[:4], *swept, *about[4:], *figure_columns(runs)]
     return Index(
         texts=_texts(sweep, next(iter(firsts.values())).scenario, command),
@@ -218,7 +208,7 @@ def index_of(
 def _values_of(point: Point) -> str:
     """Return the swept values of a point as written, with the sizes of a swept file, which may go, as JSON."""
     found = dict(point.values)
-    if not found.keys().isdisjoint(_FILE_KEYS):
+    if not found.keys().isdisjoint(("diameter.file", "diameter.column")):
         sizes = point.scenario.resolved()["diameter"]
         found |= {f"diameter.{name}": sizes[name] for name in ("values", "hash")}
     return json.dumps(found)
