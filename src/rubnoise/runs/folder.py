@@ -55,7 +55,9 @@ def file_of(folder: Path, run_id: str, keep: Keep) -> Path:
     return folder / RUNS / f"{run_id}{SUFFIXES[keep]}"
 
 
-def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch) -> Figures | None:
+def made(
+    point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch = lambda *_: None
+) -> Figures | None:
     """Make one run into its file, unless it is there, and return its figures; None if another process is making it.
 
     ``watch`` is called after each range of ticks, and may raise. Raises OutputRefused if the result of another run is
@@ -81,7 +83,7 @@ def numbers_in(figures: Figures) -> Figures:
     return {name: value for name, value in figures.items() if isinstance(value, int | float)}
 
 
-def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda _distance, _junctions, _live: None) -> Figures:
+def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda *_: None) -> Figures:
     """Run a scenario and return its figures and curves, with the theory of the curves for the first replicate."""
     model = scenario.model()
     sink = SummarySink(model)
