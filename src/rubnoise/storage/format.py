@@ -131,14 +131,10 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
         h5py.h5ds.attach_scale(dataset, scale, 0)
     # NeXus tells viewers what to plot, one column: they draw further ones on the axis of the first, where a force of
     # 5e4 uN hides an area of 200 um^2.
-    about: dict[str, str | tuple[str, ...]] = {
-        "long_name": group.long_name,
-        "NX_class": "NXdata",
-        "signal": group.plotted,
-        "axes": (first.name,),
-    }
-    for name, value in about.items():
-        put_attribute(owner, name, value)
+    put_attribute(owner, "long_name", group.long_name)
+    put_attribute(owner, "NX_class", "NXdata")
+    put_attribute(owner, "signal", group.plotted)
+    put_attribute(owner, "axes", (first.name,))
     for column, dataset in columns:
         said = {**column.attributes, HASH: "0" * HASH_DIGITS}
         for name, value in sorted(said.items(), key=lambda about: about[0].startswith("flag")):  # codes come last
@@ -170,6 +166,14 @@ def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenanc
     """
     text = json.dumps([root, summary, provenance], sort_keys=True, separators=(",", ":"))
     return xxhash.xxh3_128_hexdigest(text.encode())
+
+
+def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Return attributes as they are read back."""
+    return {
+        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
+        for name, value in values.items()
+    }
 
 
 def text_bytes(text: str) -> bytes:
@@ -232,11 +236,3 @@ def _text(text: str | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
 @cache
 def _number_kind(dtype: str) -> h5py.h5t.TypeID:
     return h5py.h5t.py_create(np.dtype(dtype), logical=True)
-
-
-def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    """Return attributes as they are read back."""
-    return {
-        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
-        for name, value in values.items()
-    }

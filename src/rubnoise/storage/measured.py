@@ -150,7 +150,7 @@ def measured(source: Source, asked: Asked, *, every: bool = False) -> Source:
     used = [wanted] if wanted is not None else _used(source, places, every=every)
     found, at = _part(source, asked, places), None
     if asked.rate is not None:
-        found = replace(found, notes=(*found.notes, *filter(None, [_outranked(found, n) for n in places[:1]])))
+        found = _outranked(found, places[0]) if places else found
         used = [n for n in used if n == wanted or source.heads[n].along() != "time"] or used[-1:]
     elif chosen or not source.step:
         times = [n for n in places if chosen or source.heads[n].along() == "time"]
@@ -229,14 +229,14 @@ def _part(source: Source, asked: Asked, places: Sequence[int]) -> Source:
     return replace(source, arrays=arrays, begin=first - 1, left_out=() if (first, last) == (1, rows) else (cut,))
 
 
-def _outranked(source: Source, number: int) -> str:
-    """Return a note if a column has other times than those of the given rate; an empty text if it has not."""
+def _outranked(source: Source, number: int) -> Source:
+    """Return a source with a note if a column has other times than those of the given rate."""
     head, times = source.heads[number], source.arrays[number]
     took = float(times[-1] - times[0]) * head.size
     if head.along() != "time" or not took > 0.0 or abs((times.size - 1) * source.step / took - 1.0) <= UNEVEN:
-        return ""
+        return source
     by = f"by {head.name} of {source.path} it is {(times.size - 1) / took:.6g} Hz"
-    return f"the rate is {1.0 / source.step:g} Hz as given; {by}"
+    return replace(source, notes=(*source.notes, f"the rate is {1.0 / source.step:g} Hz as given; {by}"))
 
 
 def _even_step(source: Source, number: int) -> float:
@@ -281,9 +281,8 @@ def _check_reach(source: Source, number: int) -> None:
     for run in np.split(far, np.flatnonzero(np.diff(far) > 1) + 1) if reach > 0.0 and far.size else ():
         if run.size <= 2 or np.ptp(values[run]) == 0.0:
             others = values[away <= reach]
-            usual = f"{others.min():.4g} to {others.max():.4g} {head.unit}"
-            said = f"{head.name} is {values[run[0]]:g}, far outside of the other values, {usual}"
-            source.refuse(int(run[0]), f"{said}; mend or remove that row")
+            usual = f"far outside of the other values, {others.min():.4g} to {others.max():.4g} {head.unit}"
+            source.refuse(int(run[0]), f"{head.name} is {values[run[0]]:g}, {usual}; mend or remove that row")
 
 
 def column_of(source: Source, wanted: str, keyword: str) -> int:
