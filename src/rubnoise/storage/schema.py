@@ -23,7 +23,6 @@ FORMAT_VERSION: Final = 2
 CONVENTIONS: Final = "CF-1.11"
 CHUNK_ROWS: Final = 65_536  # in a chunk of a compressed column: a file with others is refused
 HASH: Final = "xxh3_128"
-HASH_DIGITS: Final = 32
 
 ROOT: Final[Mapping[str, type | UnionType]] = dict.fromkeys(
     ("Conventions", "format", "format_version", "title", "source", "junction_area_formula"), Scalar
