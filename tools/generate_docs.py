@@ -76,9 +76,7 @@ def _group(group: Group) -> Iterator[str]:
     yield " ".join(_sentence(each) for each in about if each)
     others = ((feature, about["long_name"]) for (path, feature), about in INSTEAD.items() if path == group.name)
     yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name in others)
-    yield ""
-    yield from map(_column, group.columns)
-    yield ""
+    yield from ("", *map(_column, group.columns), "")
 
 
 def _present(group: Group) -> str:

@@ -342,3 +342,32 @@ def _named_character(character: str) -> str:
 
 def _with_article(kind: Kind) -> str:
     return f"an {kind.name}" if kind.name[0] in "aeiou" else f"a {kind.name}"
+
+
+# How files and people spell units: newton for Newton, um^2 for um2; one way for text, HDF5 and the shell.
+NONE = frozenset(["", "1", "-"])
+"""What stands in place of a unit if a column has none."""
+
+BESIDE = frozenset(
+    [prefix + unit for unit in ("V", "A", "W", "Hz", "Ohm", "\u03a9", "\u2126") for prefix in ("", *"u\u00b5\u03bcmkM")]
+    + ["K", "C", "\u00b0C", "degC", "rpm", "1/min", "dB", "rad", "deg", "\u00b0", "%"]
+)
+"""Units of other columns: known, and kept as they are."""
+
+_POWERS = str.maketrans({"\u00b2": "^2", "\u00b3": "^3", "\u00b7": "*", "\u22c5": "*"})
+_ALSO = "kp kgf, msec ms, usec us, d day, days day, hours hour, minutes minute, sek s, sek. s, sekunde s, sekunden s"
+_SPELLINGS = dict(pair.split() for pair in _ALSO.split(", "))
+
+
+def spelled(unit: str) -> str:
+    """Return a unit as the table of units spells it: newton for Newton, um^2 for um2, an empty text for `-`."""
+    text = unit.strip().translate(_POWERS).replace("_per_", "/")
+    lower = text.lower() if text[1:].islower() and len(text) > 2 else ""
+    powered = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])([23])(?=$|/)", r"^\1", text)
+    known = (way for way in (text, _SPELLINGS.get(text.lower(), ""), lower, powered) if is_unit(way))
+    return next(known, "" if text in NONE else text)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a known unit, as `spelled` returns it."""
+    return text in BESIDE or len(unit_or_one(text).dimension) > 0

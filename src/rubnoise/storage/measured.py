@@ -12,8 +12,8 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
-from rubnoise.unit_spelling import check_unit, is_unit, spelled
-from rubnoise.units import FORCE, LENGTH, TIME, USUAL_UNITS, Quantity, unit_or_one
+from rubnoise.real_numbers import check_unit
+from rubnoise.units import FORCE, LENGTH, TIME, USUAL_UNITS, Quantity, is_unit, spelled, unit_or_one
 
 LARGEST_VALUE: Final = 1e60
 """Size of a value at most: fourth powers of values are numbers."""

@@ -21,8 +21,7 @@ from rubnoise.errors import Refused, needing
 from rubnoise.regular_file import size_of
 from rubnoise.storage.measured import head_of
 from rubnoise.storage.text_table import ENCODINGS, begin_of
-from rubnoise.unit_spelling import is_unit, spelled
-from rubnoise.units import LENGTH, QuantityError, read_quantity
+from rubnoise.units import LENGTH, QuantityError, is_unit, read_quantity, spelled
 
 MOST_MISSING: Final = 0.1  # share of missing points that are filled
 MOST_BYTES: Final = 1 << 30  # of a file that is read

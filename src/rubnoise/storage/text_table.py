@@ -21,7 +21,7 @@ import numpy as np
 from rubnoise.errors import Refused
 from rubnoise.regular_file import open_stream
 from rubnoise.storage.measured import Head, Source, head_of
-from rubnoise.unit_spelling import is_unit, spelled
+from rubnoise.units import is_unit, spelled
 
 ENCODINGS: Final = {"utf-8-sig": (), "utf-16": ("read as UTF-16",), "cp1252": ("read as Windows-1252",)}
 """What is said of a text by its encoding."""
