@@ -345,9 +345,7 @@ def _with_article(kind: Kind) -> str:
 
 
 # How files and people spell units: newton for Newton, um^2 for um2; one way for text, HDF5 and the shell.
-NONE = frozenset(["", "1", "-"])
-"""What stands in place of a unit if a column has none."""
-
+NONE = frozenset(["", "1", "-"])  # what stands in place of a unit if a column has none
 BESIDE = frozenset(
     [prefix + unit for unit in ("V", "A", "W", "Hz", "Ohm", "\u03a9", "\u2126") for prefix in ("", *"u\u00b5\u03bcmkM")]
     + ["K", "C", "\u00b0C", "degC", "rpm", "1/min", "dB", "rad", "deg", "\u00b0", "%"]

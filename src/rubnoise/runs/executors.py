@@ -114,9 +114,7 @@ def _begin_worker(parent: int) -> None:
 
 
 # Executors of others.
-PATIENCE: Final = 30.0
-"""Seconds for a scheduler to answer."""
-
+PATIENCE: Final = 30.0  # seconds for a scheduler to answer
 SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the sweep"
 
 
@@ -182,25 +180,16 @@ def _of_client(client: Any) -> Workers:
 
 
 # What they make.
-AHEAD: Final = 2
-"""Runs that are sent for each lane, one of which waits."""
-
-BETWEEN: Final = 0.1
-"""Seconds after which a waiting sweep looks for signals and calls its watch."""
-
-TRIES: Final = 3
-"""Workers that a run may cost."""
-
+AHEAD: Final = 2  # runs that are sent for each lane, one of which waits
+BETWEEN: Final = 0.1  # seconds after which a waiting sweep looks for signals and calls its watch
+TRIES: Final = 3  # workers that a run may cost
 Work = Callable[[Point], Any]
 Sent = dict["Future[Any]", tuple[Point, int]]
 """Points that are being made, each with the number of workers that it has cost."""
 
 
 def attempted(work: Work, point: Point, asked: str) -> Any:
-    """Return the result of a point, or Failed, since an error that is raised is that of a worker.
-
-    Raises WorkLost, and begins nothing, if ``asked`` are other versions than those of this process.
-    """
+    """Return the result of a point, or Failed; raises WorkLost, and begins nothing, if ``asked`` are other versions."""
     if versions() != asked:
         remedy = "give it the same versions, and the same command resumes the sweep"
         raise WorkLost(f"a worker has {versions()}, and this process {asked}; {remedy}")
@@ -245,10 +234,7 @@ def outcomes(
 
 
 def _takes_all(executor: Any, work: Work, most: int, waiting: list[deque[Point]], sent: Sent) -> bool:
-    """Send points as long as lanes are free; whether the executor takes them, since it loses what it does not take.
-
-    Points that have cost many workers are sent while no other is out.
-    """
+    """Send points as long as lanes are free, the most costly ones alone; whether the executor takes them all."""
     while len(sent) < most:
         lost = next((lost for lost, points in enumerate(waiting) if points and (lost < TRIES - 1 or not sent)), None)
         if lost is None:

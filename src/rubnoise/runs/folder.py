@@ -38,9 +38,7 @@ from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.units import RATIO, Quantity
 
-RUNS: Final = "runs"
-"""The folder of the files, in that of the sweep."""
-
+RUNS: Final = "runs"  # the folder of the files, in that of the sweep
 SUFFIXES: Final[Mapping[Keep, str]] = {"runs": ".h5", "summary": ".npz"}
 
 Figures = Mapping[str, Any]
@@ -132,10 +130,7 @@ def read(path: Path, *, checked: bool = False) -> tuple[Mapping[str, Any], Figur
 
 
 def scenario_in(file: Reader) -> Mapping[str, Any]:
-    """Return the resolved scenario in a result, empty if this version makes other bits of it.
-
-    Raises RunFileRefused if it cannot be read.
-    """
+    """Return the scenario in a result, empty if this version makes other bits of it; raises RunFileRefused."""
     origin = file.provenance
     if origin["stream_version"] != STREAM_VERSION or "intervention" in origin:
         return {}  # with lives ended from outside it is no sample of the scenario
@@ -259,10 +254,7 @@ def figure_columns(runs: Sequence[Figures]) -> Iterator[Filled]:
 
 
 def _summaries(runs: Sequence[Figures], numbers: Sequence[int], points: int) -> dict[str, NDArray[Any]]:
-    """Return the curves of runs, a row for each, and what is the same for all runs of a point, a row for each point.
-
-    What there is not is nan.
-    """
+    """Return curves, a row for each run, and what the runs of a point share, a row for each point; else nan."""
     found: dict[str, NDArray[Any]] = {}
     for row, (number, run) in enumerate(zip(numbers, runs, strict=True)):
         for name, values in run.items():
@@ -275,10 +267,7 @@ def _summaries(runs: Sequence[Figures], numbers: Sequence[int], points: int) -> 
 
 
 def known_runs(root: Path, sweep: Sweep) -> tuple[dict[str, Figures], dict[str, str], int]:
-    """Return what the index of a folder knows: runs whose files are older than it, failures, and replicates of points.
-
-    Nothing if there is no index, or a damaged one: everything is then read from the files.
-    """
+    """Return what an index knows, if it is sound: runs whose files are older, failures, replicates of points."""
     found: dict[str, Figures] = {}
     try:
         written = (root / INDEX).stat().st_mtime_ns

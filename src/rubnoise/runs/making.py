@@ -70,10 +70,7 @@ def describe(
     intervene: Intervention | str | None = None,
     known: Extent | None = None,
 ) -> RunDescription:
-    """Return the description of a result that begins now; this counts its births, if its rows are not ``known``.
-
-    ``intervene`` is the function that may end lives, or its name.
-    """
+    """Return the description of a result that begins now; this counts its births, if its rows are not ``known``."""
     model, seed = scenario.model(), scenario.run.seed
     name = intervene if isinstance(intervene, str) else "" if intervene is None else name_of(intervene)
     return RunDescription(

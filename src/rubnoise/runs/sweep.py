@@ -29,8 +29,7 @@ from rubnoise.storage.index import index_bytes
 from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import OutputInUse, whole_file
 
-Ended = Mapping[str, Mapping[str, float]]
-"""Figures of the runs that have ended, by run id; a failed run has none."""
+Ended = Mapping[str, Mapping[str, float]]  # figures of the runs that have ended, by run id; a failed run has none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,15 +153,10 @@ def in_shard(shard: str, whole: Iterable[str]) -> set[str]:
 
 
 # What is made.
-EVERY: Final = 5.0
-"""Least seconds between two indices."""
-
-SHARE: Final = 0.02
-"""Largest share of a sweep's time for its index, the last one not counted."""
-
-PATIENCE: Final = 60.0
-BETWEEN: Final = 0.2
-"""Seconds to wait for another process that writes the index, and between two tries."""
+EVERY: Final = 5.0  # least seconds between two indices
+SHARE: Final = 0.02  # largest share of a sweep's time for its index, the last one not counted
+PATIENCE: Final = 60.0  # seconds to wait for another process that writes the index
+BETWEEN: Final = 0.2  # seconds between two tries
 
 
 class SweepStopped(RunStopped):

@@ -53,9 +53,7 @@ ORIGIN: Final = {"source", "scenario_toml", "software", "environment", "command"
 MEASURED, EXACT = 1e-9, 1e-6
 """Relative: measured figures are sums in any order, exact ones and errors come from quadratures."""
 
-LONGEST: Final = 160
-"""Characters of a value that are shown."""
-
+LONGEST: Final = 160  # characters of a value that are shown
 _CONSTANT: Final = 2.0**-30
 """Standard deviation over mean below which a column is constant but for rounding, and has no shape."""
 
@@ -338,10 +336,7 @@ def verify_sweep(
 
 
 def _verified(path: Path, *, regenerate: bool) -> tuple[Mapping[str, Any], Figures, Verification]:
-    """Return the scenario and the figures in the file of a run, and its verification.
-
-    A run that keeps its summary alone is made again, and every figure and curve is compared bit for bit.
-    """
+    """Return scenario and figures in the file of a run, and its verification; a summary alone is made again."""
     if path.suffix == SUFFIXES["runs"]:
         with open_run(path) as run:
             return scenario_in(run), numbers_in(run.summary), verify(run, regenerate=regenerate)

@@ -17,9 +17,7 @@ from rubnoise.storage.schema import CONVENTIONS, Dataset, Group, Scalar
 
 Kind = Literal["csv", "parquet", "netcdf"]
 ENDINGS: Final[dict[Kind, str]] = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
-ROW_GROUP: Final = 262_144
-"""Rows of a row group of a Parquet file."""
-
+ROW_GROUP: Final = 262_144  # rows of a row group of a Parquet file
 TABLES: Final = ("junctions", "trace", "slider", "load", "landmarks")
 """The groups that are exported; the life curve is the same in every run of one pulse."""
 

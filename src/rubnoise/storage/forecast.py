@@ -22,11 +22,8 @@ from rubnoise.storage.output import part_of
 from rubnoise.theory.moments import expected_junction_rows, force_cumulants
 from rubnoise.theory.motion import response
 
-FAR: Final = 10.0
-"""Standard deviations beyond which nothing is taken to lie."""
-
-ROOT = Path("/")
-"""Where the files are in which Linux says what memory there is."""
+FAR: Final = 10.0  # standard deviations beyond which nothing is taken to lie
+ROOT = Path("/")  # where the files are in which Linux says what memory there is
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,10 +63,7 @@ class Budget:
 
 
 def counted(scenario: Scenario) -> Budget:
-    """Return the budget of a run; its rows are counted exactly from its seed, which takes some 60 ns for each birth.
-
-    Raises ScenarioRefused for more rows than rubnoise can write, as `expected` does.
-    """
+    """Return the budget of a run, its rows counted from its seed in some 60 ns a birth; raises as `expected` does."""
     scenario.check_size()
     return _budget(scenario, extent(scenario.model(), scenario.run.seed))
 
@@ -129,10 +123,7 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
 
 
 def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
-    """Refuse a run that needs more disk space or memory than this machine has, and name the keys to change.
-
-    Raises OutputRefused if the disk of ``path`` has less free than the result takes, else as `check_memory` does.
-    """
+    """Raise OutputRefused if a disk has not room for a result, else as `check_memory`; the keys to change are named."""
     room, needed, advice = free_disk_bytes(path), budget.disk_bytes, budget.fewer_rows
     if needed > room:
         what = "the result" if needed == budget.result_bytes else "the result and the rows that wait beside it"
@@ -144,10 +135,7 @@ def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
 
 
 def check_memory(budget: Budget, *, kept_bytes: int = 0) -> None:
-    """Refuse a run that needs more memory than this machine has; ``kept_bytes`` of its result stay in memory, too.
-
-    Raises Refused, with the keys to change named.
-    """
+    """Raise Refused, with the keys to change, if memory lacks for a run and ``kept_bytes`` of its result."""
     room, more, working = free_memory_bytes(), budget.more_bytes + kept_bytes, budget.working_bytes
     if room is None or more <= room:
         return
@@ -160,10 +148,7 @@ def check_memory(budget: Budget, *, kept_bytes: int = 0) -> None:
 
 
 def check_sweep_space(runs: Sequence[Scenario], folder: Path, *, jobs: int, keep: str) -> None:
-    """Refuse the runs of a sweep that are still to be made if this machine has not the disk space or memory.
-
-    The folder need not be there yet. Names the keys to change; raises OutputRefused and Refused.
-    """
+    """Refuse runs of a sweep that are to be made if disk or memory lack; the folder need not be there yet."""
     alike = Counter(scenario.model() for scenario in runs)
     budgets = {model: expected(scenario) for model, scenario in {each.model(): each for each in runs}.items()}
     size = sum(alike[model] * each.result_bytes for model, each in budgets.items())

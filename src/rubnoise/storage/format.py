@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 LIBRARY_VERSIONS: Final = ("v110", "v110")
 GZIP_LEVEL: Final = 4
-NO_HASH: Final = "0" * 32
-"""What stands in place of a hash until the rows are there."""
+NO_HASH: Final = "0" * 32  # what stands in place of a hash until the rows are there
 
 
 class Unfailing(io.RawIOBase):

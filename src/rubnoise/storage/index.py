@@ -76,10 +76,7 @@ class Index:
 
 
 def index_bytes(index: Index) -> bytes:
-    """Return the file of an index.
-
-    HDF5 makes it in memory, since it ends the process instead of raising if a disk is full.
-    """
+    """Return the file of an index, made in memory: HDF5 ends the process instead of raising if a disk is full."""
     with h5py.File("index", "w", driver="core", backing_store=False, libver=LIBRARY_VERSIONS) as file:
         about = {"format_version": FORMAT_VERSION, "format": INDEX_FORMAT, "Conventions": CONVENTIONS}
         put_attributes(file.id, {**about, "NX_class": "NXroot", **index.texts})

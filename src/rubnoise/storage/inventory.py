@@ -13,12 +13,8 @@ from rubnoise.storage.format import add_group, compose, hdf5_on
 from rubnoise.storage.layout import RunDescription, row_count, stored_groups
 from rubnoise.storage.objects import ATTRIBUTE_BYTES, check_count
 
-MOST_ENTRIES: Final = 20_000
-"""More groups, columns and attributes together are in no file of ours."""
-
-DEEPEST: Final = 4
-"""Groups that lie deeper below the root than this are in no file of ours."""
-
+MOST_ENTRIES: Final = 20_000  # more groups, columns and attributes together are in no file of ours
+DEEPEST: Final = 4  # groups that lie deeper below the root than this are in no file of ours
 Inventory = dict[tuple[str, str], str]
 """What there is, by the path of an object and an empty text, or the name of its attribute."""
 
@@ -40,10 +36,7 @@ def expected_inventory(about: RunDescription) -> Inventory:
 
 
 def inventory_of(file: h5py.File) -> Inventory:
-    """Return everything that a file holds; of objects that are neither groups nor datasets of the file, only the names.
-
-    Raises RunFileRefused for more than any of our files has.
-    """
+    """Return all that a file holds, of links and types the names; raises RunFileRefused for more than ours have."""
     found = Inventory()
     for path, owner in _objects("", file["/"]):
         found[path or "/", ""] = _in_words(owner)

@@ -56,8 +56,7 @@ def now() -> str:
 STRUCTURE_BYTES = 20 * 1024
 """Room for everything in a file but columns and scenario: headers, attributes, scales, summary."""
 
-Name = tuple[str, str]
-"""What a column is found by: its group and its own name."""
+Name = tuple[str, str]  # what a column is found by: its group and its own name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

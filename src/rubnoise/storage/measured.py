@@ -15,9 +15,7 @@ from rubnoise.errors import NoColumn, Refused
 from rubnoise.real_numbers import check_unit
 from rubnoise.units import FORCE, LENGTH, TIME, USUAL_UNITS, Quantity, is_unit, spelled, unit_or_one
 
-LARGEST_VALUE: Final = 1e60
-"""Size of a value at most: fourth powers of values are numbers."""
-
+LARGEST_VALUE: Final = 1e60  # size of a value at most: fourth powers of values are numbers
 UNEVEN: Final = 0.01
 """How far one step between samples may be from the usual one, in parts of it, beyond the digits that are written."""
 
@@ -47,10 +45,7 @@ class Head:
         return float(unit_or_one(self.unit).size)
 
     def along(self, *, named: bool = False) -> str:
-        """Return "time" or "distance" for what places samples; empty for other columns.
-
-        A length places samples by its name, such as `Weg`, or if it is ``named`` by the caller.
-        """
+        """Return "time" or "distance" for what places samples: a length by its name, or if it is ``named``; else ""."""
         dimension = unit_or_one(self.unit).dimension
         last = re.split(r"[\s_]+", self.name.lower().strip(" ."))[-1].strip(".")
         travelled = dimension == LENGTH.dimension and (named or _TRAVELLED.fullmatch(last))
@@ -71,10 +66,7 @@ def head_of(cell: str) -> Head:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """What a caller says of a file: its columns, its rate in Hz, and the part from ``begin`` to ``end``.
-
-    These are samples, from 1 on, or times or distances from the first one.
-    """
+    """What a caller says of a file, with its part: samples from 1 on, or times or distances from the first one."""
 
     column: str | None = None
     place: str | None = None

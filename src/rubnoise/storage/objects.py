@@ -27,16 +27,12 @@ _WORDS: Final[Mapping[Any, str]] = {str: "a text", int: "a whole number"}
 MOST: Final = 256
 """More objects in a group, or attributes of one, are in no file of ours; some room is left for what others add."""
 
-DEFLATE_RATIO: Final = 1032
-"""The most that deflate can expand: more rows than that were never in the file."""
+DEFLATE_RATIO: Final = 1032  # the most that deflate can expand: more rows than that were never in the file
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ColumnPlace:
-    """Where the rows of a column lie in their file, and their hash.
-
-    The offset is 0 without rows, and for compressed chunks.
-    """
+    """Where the rows of a column lie in their file, their hash; the offset is 0 without rows, and for chunks."""
 
     offset: int
     rows: int

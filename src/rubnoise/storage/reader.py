@@ -26,9 +26,7 @@ from rubnoise.storage.layout import stored_groups
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
-READ_BYTES: Final = 64 * 1024**2
-"""Longer columns are mapped: the system then reads the rows that are used."""
-
+READ_BYTES: Final = 64 * 1024**2  # longer columns are mapped: the system then reads the rows that are used
 UNREADABLE: Final = "unreadable"
 CHANGED: Final = "not what its hash was taken of"
 
@@ -54,10 +52,7 @@ class RunFile:
     """
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, file: h5py.File) -> None:
-        """Take over a descriptor and what HDF5 has opened by it, and read the structure of the file.
-
-        Raises RunFileRefused, and any error of HDF5.
-        """
+        """Take over a descriptor and what HDF5 has opened by it; raises RunFileRefused, and any error of HDF5."""
         self.path, self.descriptor = Path(path), descriptor
         self.watch: Watch | None = None
         self._place, self._file = self.path.absolute(), file

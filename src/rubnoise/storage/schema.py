@@ -14,9 +14,7 @@ Feature = Literal["speed", "strength", "slider", "two-way", "offset", "load", "f
 """What a scenario may add to the bare contact: times, forces, a slider, that it pushes back, passes off the
 centre line, a load that weighs, that the slider may leave its contact, and a base that lifts it."""
 
-Scalar = float | int | str
-"""What an attribute holds."""
-
+Scalar = float | int | str  # what an attribute holds
 FORMAT: Final = "rubnoise-run"
 INDEX_FORMAT: Final = "rubnoise-sweep"
 FORMAT_VERSION: Final = 2
@@ -69,8 +67,7 @@ NEEDED: Final[Sequence[tuple[Feature, Sequence[Feature]]]] = (
 """Features that are never alone, each with those of which it needs one."""
 
 
-Codes = tuple[tuple[int, str], ...]
-"""Numbers, and what they mean."""
+Codes = tuple[tuple[int, str], ...]  # numbers, and what they mean
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,8 +28,7 @@ ENCODINGS: Final = {"utf-8-sig": (), "utf-16": ("read as UTF-16",), "cp1252": ("
 
 _LONGEST_LINE: Final = 1 << 17  # as the module csv has it of a cell
 
-Line = tuple[int, str]
-"""The number of a line, from 1 on, and its text."""
+Line = tuple[int, str]  # the number of a line, from 1 on, and its text
 
 
 def begin_of(path: Path, most: int | None = None) -> tuple[str, list[Line]]:
