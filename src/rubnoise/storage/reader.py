@@ -207,9 +207,8 @@ def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
 
 def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     """Check the first bytes, which show most wrong files, before HDF5 is asked."""
-    found = bytearray(len(SIGNATURE))
     try:
-        read_into(descriptor, memoryview(found), 0)
+        found = os.pread(descriptor, len(SIGNATURE), 0)
     except BlockingIOError as problem:
         raise NotRegular(path) from problem
     if found == SIGNATURE:

@@ -30,18 +30,10 @@ ROOT: Final[Mapping[str, type | UnionType]] = dict.fromkeys(
 INTERVENTION: Final = "intervention"
 """What /provenance has only of a run whose lives were ended from outside: the name of the function."""
 
+_TEXTS: Final = "scenario_toml scenario_resolved software environment propagator_constants command started finished"
 PROVENANCE: Final[Mapping[str, type | UnionType]] = {
-    "scenario_toml": str,
-    "scenario_resolved": str,
-    "software": str,
-    "environment": str,
-    "propagator_constants": str,
-    "command": str,
-    "started": str,
-    "finished": str,
-    "seed": Scalar,
-    "stream_version": Scalar,
-    "calibrated_diameter": Scalar,
+    **dict.fromkeys(_TEXTS.split(), str),
+    **dict.fromkeys(("seed", "stream_version", "calibrated_diameter"), Scalar),
 }
 """The attributes of /provenance, and what each may hold: whether a number is right is for `verify` to say."""
 
