@@ -43,10 +43,7 @@ def real_number(value: Any, what: str, unit: str | None = None) -> float:
 
 
 def number_in(value: Any, what: str, kind: Kind) -> float:
-    """Return a bare number as it is, and a text with a unit or a quantity of pint in the working unit of its kind.
-
-    Raises Refused for anything else, and for values that are not finite.
-    """
+    """Return a finite number, or a text or quantity of pint in the working unit of its kind; raises Refused else."""
     if not isinstance(value, bool) and isinstance(value, Real) and isfinite(value):
         return float(value)
     try:

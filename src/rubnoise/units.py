@@ -239,10 +239,7 @@ def _power_hint(text: str, number: str) -> str:
 
 
 def in_unit(value: Any, unit: str) -> Any:
-    """Return numbers unchanged, since they are in ``unit`` already, and quantities of pint converted to it.
-
-    Raises QuantityError for a quantity of another dimension.
-    """
+    """Return numbers as they are, quantities of pint converted; raises QuantityError for one of another dimension."""
     if isinstance(value, list | tuple):
         return [in_unit(each, unit) for each in value]
     if not is_of_pint(value):
@@ -256,10 +253,7 @@ def in_unit(value: Any, unit: str) -> Any:
 
 
 def quantity_of(value: Any, *kinds: Kind) -> Quantity:
-    """Return a quantity given from Python, as a text or as a quantity of pint.
-
-    Raises QuantityError as `read_quantity` does, and for a number, which does not say its unit.
-    """
+    """Return a text or a quantity of pint as a quantity; raises as `read_quantity`, and for a number without a unit."""
     if isinstance(value, str):
         return read_quantity(value, *kinds)
     if isinstance(value, Quantity) and value.kind in kinds:

@@ -38,10 +38,6 @@ class Unfailing(io.RawIOBase):
         self._position, self._size = 0, os.fstat(descriptor).st_size
         self._failure: OSError | None = None
 
-    def tell(self) -> int:
-        """Return the position."""
-        return self._position
-
     def seek(self, offset: int, whence: int = os.SEEK_SET, /) -> int:
         """Move to a position, and return it."""
         base = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}[whence]
