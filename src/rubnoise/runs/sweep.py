@@ -325,7 +325,7 @@ def _part_of(sweep: Sweep, shard: str | None) -> Callable[[Point], bool]:
         return lambda _: True
     if sweep.precision:
         mine = in_shard(shard, [run_id(case.scenario) for case in sweep.cases])
-        cases = [case.values for case in sweep.cases if run_id(case.scenario) in mine]
-        return lambda point: point.values in cases
+        cases = {tuple(case.values.values()) for case in sweep.cases if run_id(case.scenario) in mine}
+        return lambda point: tuple(point.values.values()) in cases
     runs = in_shard(shard, [point.run_id for point in points_of(sweep.cases, sweep.replicates)])
     return lambda point: point.run_id in runs
