@@ -56,11 +56,7 @@ def file_of(folder: Path, run_id: str, keep: Keep) -> Path:
 def made(
     point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch = lambda *_: None
 ) -> Figures | None:
-    """Make one run into its file, unless it is there, and return its figures; None if another process is making it.
-
-    ``watch`` is called after each range of ticks, and may raise. Raises OutputRefused if the result of another run is
-    in its place.
-    """
+    """Make one run into its file, if it is not there, and return its figures; None if another process makes it."""
     path = file_of(folder, point.run_id, keep)
     try:
         if (there := found(point, path)) is not None:

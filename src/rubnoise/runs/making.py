@@ -103,11 +103,7 @@ def play(
     observe: Observer | None = None,
     intervene: Intervention | None = None,
 ) -> dict[str, float | int | str]:
-    """Play a scenario into an entered writer, publish the file, and return its figures.
-
-    ``watch`` is called after each range of ticks, and now and then while a file is compressed; ``observe`` and
-    ``intervene`` are those of `rubnoise.run`.
-    """
+    """Play a scenario into an entered writer, publish the file and return its figures; ``watch`` may raise."""
     seen = Measured(scenario.model())
     end = simulate(
         seen.model,

@@ -89,11 +89,11 @@ class Check:
             begin = max(len(commonprefix([one, other])) - LONGEST // 2, 0)  # noqa: RUF071  (of any text)
             self.differ(f"{place} is {one[begin:][:LONGEST]}, should be {other[begin:][:LONGEST]}")
 
-    def compare(self, place: str, found: Mapping[str, object], expected: Mapping[str, object]) -> None:
-        """Compare values by name, of which neither side may lack one; ``place`` has {} for the name."""
+    def compare(self, found: Mapping[str, object], expected: Mapping[str, object], *, where: str = "") -> None:
+        """Compare values by name, of which neither side may lack one; ``where`` stands before the names."""
         for name in {**expected, **found}:
             one, other = (each.get(name, "missing") for each in (found, expected))
-            self.say(place.format(name), found=one, expected=other)
+            self.say(f"{where}{name}", found=one, expected=other)
 
     def differ(self, said: str, count: int = 1) -> None:
         """Count differences, and keep what is said of the first one."""
@@ -171,7 +171,7 @@ def _check_hashes(check: Check, run: RunFile) -> list[str]:
     """Compare columns and attributes with their hashes; return the columns that cannot be read."""
     check.values += sum(run.rows(group) * len(names) for group, names in run.columns.items())
     damaged = run.damaged()
-    check.compare("{}", damaged, dict.fromkeys(damaged, "as it was written"))
+    check.compare(damaged, dict.fromkeys(damaged, "as it was written"))
     right = seal_of(run.attributes, run.summary, run.provenance)
     check.say(f"/provenance {HASH}", found=run.seal or "missing", expected=right)
     return [place for place, found in damaged.items() if found == UNREADABLE]
@@ -191,12 +191,12 @@ def _check_description(structure: Check, attributes: Check, scenario: Scenario, 
     right = describe(scenario, run.path, (), str(run.provenance.get(INTERVENTION, "")), extent)
     right = right if scenario.title else replace(right, title=str(run.attributes["title"]))
     both = found, expected = run.inventory(), expected_inventory(right)
-    structure.compare("{}", *({path: words for (path, name), words in each.items() if not name} for each in both))
+    structure.compare(*({path: words for (path, name), words in each.items() if not name} for each in both))
     free = {key for key in found.keys() & expected.keys() if key[1] in ORIGIN}
     free |= {key for key in found.keys() - expected.keys() if key[0] == "/summary"}  # a figure is one of rows
     fixed = ({key: words for key, words in each.items() if key not in free} for each in both)
     there = {path for path, _ in found} & {path for path, _ in expected}
-    attributes.compare("{}", *(_attributes(each, there) for each in fixed))
+    attributes.compare(*(_attributes(each, there) for each in fixed))
 
 
 def _attributes(inventory: Inventory, paths: set[str]) -> dict[str, str]:
@@ -284,7 +284,7 @@ def _summary_check(seen: Measured, kept: Mapping[str, object]) -> Check:
             found = kept.get(name)
             near = isinstance(found, float) and (abs(found - value) <= allowed or (isnan(found) and isnan(value)))
             right[name] = found if near else value
-    check.compare("/summary {}", kept, right)
+    check.compare(kept, right, where="/summary ")
     return check
 
 
@@ -344,7 +344,7 @@ def _verified(path: Path, *, regenerate: bool) -> tuple[Mapping[str, Any], Figur
     found = dict(kept or {})
     if resolved:
         scenario = stored(resolved, f"{path}: the scenario in the file")
-        check.compare("{}", _told(found), _told(summarised(scenario, first="spectrum_place" in found)))
+        check.compare(_told(found), _told(summarised(scenario, first="spectrum_place" in found)))
     return resolved, found, _verification([check])
 
 
@@ -390,6 +390,7 @@ def _compare_index(check: Check, root: Path, kept: Mapping[str, Figures]) -> Ite
         check.say(f"{INDEX} {RUNS}/{name}", found=DONE if name in kept else "missing", expected=DONE)
         right = kept.get(name, figures)
         lacking = dict.fromkeys([*figures, *right], nan)  # as an index has what a run lacks
-        check.compare(f"{INDEX} /runs/{{}} of {name}", *(_told({**lacking, **each}) for each in (figures, right)))
+        one, other = (_told({**lacking, **each}) for each in (figures, right))
+        check.compare(one, other, where=f"{INDEX} /runs of {name}: ")
     if others := len(kept.keys() - set(names)):
         yield left_out(f"{others:,} of {RUNS}", "the index lacks them")

@@ -194,11 +194,7 @@ def memory_in_use(which: int = 1) -> int:
 
 
 def free_memory_bytes() -> int | None:
-    """Return how many more bytes of memory this process may use, or None if that is unknown.
-
-    The least of what the machine has available, and what the limits of containers and of `ulimit -v` leave beside
-    what this process holds.
-    """
+    """Return what machine, container and `ulimit -v` leave this process of memory in bytes; None if unknown."""
     left = []
     # Inside a container the name of its control group may belong to the host's tree: what is missing says nothing.
     inner = Path(_said("proc/self/cgroup").partition("0::/")[2].strip())

@@ -113,11 +113,7 @@ def _put_column(owner: h5py.Group, column: Filled) -> h5py.Dataset:
 
 
 def read_index(path: str | os.PathLike[str]) -> Index:
-    """Read the index of a sweep, which may come from elsewhere.
-
-    Raises RunFileRefused, with the reason in one sentence, for a missing path, and for a file that is not an
-    index, is not as it was written, or has a later format.
-    """
+    """Read the index of a sweep, also from elsewhere; raises RunFileRefused with the reason in one sentence."""
     with refusing(path), open_stream(path) as stream:
         content = stream.read()
         if not content.startswith(SIGNATURE):

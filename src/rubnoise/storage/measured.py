@@ -131,10 +131,7 @@ class Source:
 
 
 def measured(source: Source, asked: Asked, *, every: bool = False) -> Source:
-    """Return a column of a source and its places, or ``every`` column, cut and checked; raises Refused with the line.
-
-    With a rate, times are left out: they are known.
-    """
+    """Return a column and its places, or ``every`` column, cut and checked; with a rate without times."""
     if asked.rate is not None:
         source = replace(source, step=1.0 / asked.rate, along="time")
     wanted = None if asked.column is None else column_of(source, asked.column, "column")

@@ -107,11 +107,7 @@ def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.Pr
 
 
 def sound_column(owner: h5py.Group, column: Dataset, file_size: int) -> ColumnPlace:
-    """Return the place of the rows of a column, if type, shape and storage of its dataset are those of the schema.
-
-    Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
-    shuffle and deflate, more rows than the file's bytes can hold.
-    """
+    """Return the place of the rows of a column; raises RunFileRefused if type, shape or storage are not ours."""
     path, (dataset, creation) = f"{owner.name}/{column.name}", own_dataset(owner, column.name)
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")

@@ -143,11 +143,7 @@ class PartFile:
 
 @contextmanager
 def part_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[PartFile]:
-    """Yield the new, empty part of a result; at the end it is removed, unless it has got its final name.
-
-    Raises OutputRefused as `check_output` does, and if the part cannot be made; OutputInUse if another process writes
-    it.
-    """
+    """Yield the new part of a result, removed at the end if it is not final; raises OutputRefused or OutputInUse."""
     final, name = check_output(path, force=force), part_of(path)
     try:
         descriptor = _locked(name)
