@@ -11,15 +11,12 @@ import numpy as np
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.format import add_group, compose, hdf5_on
 from rubnoise.storage.layout import RunDescription, row_count, stored_groups
-from rubnoise.storage.objects import ATTRIBUTE_BYTES, check_count
+from rubnoise.storage.objects import ATTRIBUTE_BYTES, OWN, check_count
 
 MOST_ENTRIES: Final = 20_000  # more groups, columns and attributes together are in no file of ours
 DEEPEST: Final = 4  # groups that lie deeper below the root than this are in no file of ours
 Inventory = dict[tuple[str, str], str]
 """What there is, by the path of an object and an empty text, or the name of its attribute."""
-
-OWN: Final = (h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)
-"""Layouts of our datasets, of which those lie in the file that have no external storage."""
 
 OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
 """Attributes that HDF5 writes itself, in types of its own choice: which scale a dataset has."""

@@ -24,6 +24,7 @@ REMEDY: Final = "copy it again, or run its scenario again"
 ATTRIBUTE_BYTES: Final = 1 << 22
 _WORDS: Final[Mapping[Any, str]] = {str: "a text", int: "a whole number"}
 
+OWN: Final = (h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)  # layouts of our datasets
 MOST: Final = 256
 """More objects in a group, or attributes of one, are in no file of ours; some room is left for what others add."""
 
@@ -101,7 +102,7 @@ def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.Pr
         raise RunFileRefused(f"{owner.name}/{name} is missing")
     # The layout before the shape: that of a virtual dataset may be found in other files only.
     creation = dataset.id.get_create_plist()
-    if creation.get_layout() not in {h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED} or creation.get_external_count():
+    if creation.get_layout() not in OWN or creation.get_external_count():
         raise RunFileRefused(f"{owner.name}/{name} is not stored as our files store it")
     return dataset, creation
 
