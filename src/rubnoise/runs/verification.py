@@ -196,7 +196,12 @@ def _check_description(structure: Check, attributes: Check, scenario: Scenario, 
     free |= {key for key in found.keys() - expected.keys() if key[0] == "/summary"}  # a figure is one of rows
     fixed = ({key: words for key, words in each.items() if key not in free} for each in both)
     there = {path for path, _ in found} & {path for path, _ in expected}
-    attributes.compare(*(_attributes(each, there) for each in fixed))
+    one, other = (_attributes(each, there) for each in fixed)
+    for name in one.keys() & other.keys():
+        values = [each[name].rpartition(", ")[0] for each in (one, other)]
+        if values[0] != values[1]:  # types show where they alone differ
+            one[name], other[name] = values
+    attributes.compare(one, other)
 
 
 def _attributes(inventory: Inventory, paths: set[str]) -> dict[str, str]:
@@ -232,10 +237,9 @@ class _Compared:
 
 
 def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verification:
-    """Return the verification with a check of each group, and of the summary if rows are right.
+    """Return the verification of a run that is played again, up to the first row that its file does not have.
 
-    The run is played again, up to the first row that its file does not have. If an intervention ended lives, births
-    come from the seed and these ends from the file.
+    If an intervention ended lives, births come from the seed and these ends from the file.
     """
     model = scenario.model()
     compared, seen = _Compared(run), Measured(model)
@@ -306,8 +310,7 @@ def verify_sweep(
 ) -> Verification:
     """Return the verification of the folder of a sweep and of each of its runs.
 
-    ``watch`` is called with the number of runs checked and of all runs; ``regenerate`` is that of `verify`. Raises
-    RunFileRefused for a folder that is not that of a sweep, or that cannot be read.
+    ``watch`` is called with the number of runs checked and of all. Raises RunFileRefused for what is no such folder.
     """
     root, figures, incomplete = Path(folder), dict[str, Figures](), Counter[tuple[str, str]]()
     index, names, runs = checks = Check("index"), Check("names"), Check("runs")

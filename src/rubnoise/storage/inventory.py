@@ -73,7 +73,7 @@ def _attributes(owner: h5py.HLObject) -> Iterator[tuple[str, str]]:
     """Yield names and values, None for a long one, with their types; of a dataset also those that it lies along."""
     check_count(owner.name, h5py.h5a.get_num_attrs(owner.id), "attributes")
     if isinstance(owner, h5py.Dataset) and owner.id.get_create_plist().get_layout() in OWN and owner.ndim == 1:
-        yield "scale", json.dumps([scale.name for scale in owner.dims[0].values()])
+        yield "scale", f"{json.dumps([scale.name for scale in owner.dims[0].values()])}, path"
     for name in owner.attrs:
         attribute, value = owner.attrs.get_id(name), None
         plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.dtype.kind in "Siuf"
