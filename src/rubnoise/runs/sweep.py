@@ -308,7 +308,7 @@ class _Making:
                     self._left.clear()
                     self._missing(of_all=True)
                     self._write_index(part)
-                return self._adaptive.unmet(self._ended())
+                return [unmet for unmet in self._adaptive.unmet(self._ended()) if self._mine(unmet)]
             except OutputInUse:
                 if time.monotonic() >= last:
                     raise
@@ -319,7 +319,7 @@ class _Making:
         part.write_bytes(index_bytes(index_of(self._sweep, self._adaptive.points, self._found, failed, command)))
 
 
-def _part_of(sweep: Sweep, shard: str | None) -> Callable[[Point], bool]:
+def _part_of(sweep: Sweep, shard: str | None) -> Callable[[Any], bool]:
     """Return what tells whether a run is of a shard; with a precision a shard has whole points, since it decides."""
     if shard is None:
         return lambda _: True
