@@ -14,7 +14,7 @@ from parts import filled, parts_of
 
 from rubnoise.scenario.document import SECTIONS, TOP, Sweeping, presence
 from rubnoise.scenario.fields import Choice, Key, Measure, Number, Parts, Sizes, about_of, keys_of
-from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
+from rubnoise.storage.schema import GROUPS, INSTEAD, Dataset, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 PAGES = ("data-format.md", "design.md", "scenarios.md")
@@ -27,7 +27,7 @@ ROWS = {
     "load": "one per tick",
     "balance": "one, for the end of the run",
 }
-NEEDS: dict[Feature | None, str] = {
+NEEDS: dict[str | None, str] = {
     None: "",
     "speed": "with `sliding.speed`",
     "strength": "with `[strength]`",
@@ -74,10 +74,9 @@ def _group(group: Group) -> Iterator[str]:
     rows, present = ROWS.get(group.name), _present(group)
     about = [group.long_name, rows and f"rows: {rows}", present and f"present {present}"]
     yield " ".join(_sentence(each) for each in about if each)
-    yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name, _ in group.instead)
-    yield ""
-    yield from map(_column, group.columns)
-    yield ""
+    others = ((feature, about["long_name"]) for (path, feature), about in INSTEAD.items() if path == group.name)
+    yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name in others)
+    yield from ("", *map(_column, group.columns), "")
 
 
 def _present(group: Group) -> str:

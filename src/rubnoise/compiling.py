@@ -13,20 +13,8 @@ from typing import Any, Final
 from numba import config, njit
 from numba.core import event
 
-SOURCES = (
-    "compiling.py",
-    "contact/pulses.py",
-    "record/rows.py",
-    "simulation/cell_moments.py",
-    "simulation/force_cells.py",
-    "simulation/free/*.py",
-    "simulation/kernel.py",
-    "simulation/linear.py",
-    "simulation/pushing.py",
-    "simulation/series.py",
-    "surface/*.py",
-)
-"""Files whose functions or constants are compiled into functions of other files."""
+SOURCES = ("compiling.py", "contact/pulses.py", "record/rows.py", "simulation/**/*.py", "surface/*.py")
+"""Among them are all files whose functions or constants are compiled into functions of other files."""
 
 _CONFIG: Final[Any] = config
 

@@ -20,9 +20,7 @@ class RubnoiseError(Exception):
     exit_code = 1
 
 
-LONGEST: Final = 1500
-"""Characters of a refusal at most: a name or a cell of a file may have any number."""
-
+LONGEST: Final = 1500  # characters of a refusal at most: a name or a cell of a file may have any number
 _END: Final = 300
 
 
@@ -114,8 +112,7 @@ def _option(found: re.Match[str]) -> str:
     return option if number in ("", "True") else f"{option} {number}"
 
 
-EXTRAS_OF_SYNC: Final = ("analysis", "plot")
-"""What `tools/dev.py sync` installs; `sync all` installs the others too."""
+EXTRAS_OF_SYNC: Final = ("analysis", "plot")  # what `tools/dev.py sync` installs; `sync all` installs the others too
 
 
 def how_to_install(extra: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.units import Kind, QuantityError, in_unit, is_of_pint, quantity_of, unit_name
+from rubnoise.units import BESIDE, NONE, Kind, QuantityError, in_unit, is_of_pint, parse_unit, quantity_of, unit_name
 
 
 def real_numbers(values: Any, what: str, unit: str | None = None) -> Doubles:
@@ -43,10 +43,7 @@ def real_number(value: Any, what: str, unit: str | None = None) -> float:
 
 
 def number_in(value: Any, what: str, kind: Kind) -> float:
-    """Return a bare number as it is, and a text with a unit or a quantity of pint in the working unit of its kind.
-
-    Raises Refused for anything else, and for values that are not finite.
-    """
+    """Return a finite number, or a text or quantity of pint in the working unit of its kind; raises Refused else."""
     if not isinstance(value, bool) and isinstance(value, Real) and isfinite(value):
         return float(value)
     try:
@@ -86,3 +83,12 @@ def at_each(
     if finite.any():
         values[finite] = function(places[finite])
     return values[()]
+
+
+def check_unit(unit: str, what: str) -> None:
+    """Raise Refused, which names the unit, if it is unknown."""
+    try:
+        if unit not in NONE | BESIDE:
+            parse_unit(unit)
+    except QuantityError as problem:
+        raise Refused(f"{what}: {problem}{f' ({problem.hint})' if problem.hint else ''}") from None

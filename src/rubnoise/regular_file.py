@@ -16,9 +16,7 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 STANDARD_INPUT: Final = "-"
-INDEX: Final = "index.h5"
-"""What the folder of a sweep has its index in."""
-
+INDEX: Final = "index.h5"  # what the folder of a sweep has its index in
 MOST_INPUT_BYTES: Final = 1 << 32
 PIECE_BYTES = 1 << 20
 _READING = os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY
@@ -103,8 +101,7 @@ def _standard_input() -> "tempfile._TemporaryFileWrapper[bytes]":
     return file
 
 
-LARGEST = 1 << 30
-"""Bytes in one call at most: some systems take no more."""
+LARGEST = 1 << 30  # bytes in one call at most: some systems take no more
 
 
 def lock(descriptor: int, *, shared: bool = False) -> None:

@@ -8,9 +8,7 @@ from itertools import accumulate
 from textwrap import wrap
 from typing import Any, Final
 
-LONGEST: Final = 1500
-"""Characters of a text at most: what one screen holds."""
-
+LONGEST: Final = 1500  # characters of a text at most: what one screen holds
 WIDEST: Final = 140
 FEW: Final = 8
 

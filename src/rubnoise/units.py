@@ -7,7 +7,6 @@ loaded by those who make them.
 """
 
 import re
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
@@ -27,7 +26,6 @@ _QUANTITY = re.compile(rf"((?>{NUMBER}))( *)([^ ].*)")
 _FACTORS = re.compile(rf"([*/ ]*)({_NAME})(?:(?:\^|\*\*)(-?[0-9]+))?")
 _FOREIGN = re.compile(r"[^A-Za-z0-9\u00b5\u03bc%*/^. \-]")
 _MINUS_SIGNS = "\u2212\u2010\u2011\u2012\u2013\u2014\ufe63\uff0d"
-_COMMA = re.compile(r"(?<=[0-9]),(?=[0-9])")
 _BARE_POWER = re.compile(r"(?<=[A-Za-z\u00b5\u03bc])(-?[0-9])")
 
 
@@ -131,20 +129,16 @@ def _product(text: str) -> Unit:
     return Unit(size, dimension)
 
 
-_FREQUENCIES, _FORCES = {"mHz": "1e-3", "Hz": "1", "kHz": "1e3", "MHz": "1e6"}, ("mN", "N", "kN")
+_FREQUENCIES = {"mHz": -3, "Hz": 0, "kHz": 3, "MHz": 6}
 _LENGTHS = ("nm", "um", "\u00b5m", "\u03bcm", "mm", "cm", "m", "km")
+_USUAL = (
+    "mg,g,kg,mPa,Pa,kPa,MPa,GPa,mN/m,N/m,kN/m,N/mm,mN*s/m,N*s/m,kN*s/m,mN s/m,N s/m,kN s/m,s/um,s/mm,s/m,us,ms,s,%,uN,"
+    "mN,N,kN,1/um^2,1/mm^2,1/cm^2,1/m^2"
+)
 USUAL_UNITS: dict[str, Unit] = {
     text: _product(text)
-    for text in (
-        *(f"{length}{end}" for end in ("", "^2", "/s") for length in _LENGTHS),
-        *("mg", "g", "kg", "mPa", "Pa", "kPa", "MPa", "GPa"),
-        *(f"{force}/m" for force in _FORCES),
-        "N/mm",
-        *(f"{force}{end}" for end in ("*s/m", " s/m") for force in _FORCES),
-        *("s/um", "s/mm", "s/m", "us", "ms", "s", "%", "uN", *_FORCES),
-        *("1/um^2", "1/mm^2", "1/cm^2", "1/m^2"),
-    )
-} | {name: Unit(Fraction(size), FREQUENCY.dimension) for name, size in _FREQUENCIES.items()}
+    for text in (*(f"{length}{end}" for end in ("", "^2", "/s") for length in _LENGTHS), *_USUAL.split(","))
+} | {name: Unit(Fraction(10) ** power, FREQUENCY.dimension) for name, power in _FREQUENCIES.items()}
 """What a text usually says, and an axis of a page offers."""
 
 
@@ -194,11 +188,9 @@ def read_quantity(text: str, *kinds: Kind) -> Quantity:
     kind = next((k for k in kinds if k.dimension == unit.dimension), None)
     if kind is None:
         wanted = " or ".join(_with_article(k) for k in kinds)
-        other = next((k for k in KINDS if k.dimension == unit.dimension), None)
-        what = _with_article(other) if other else "something else"
-        raise QuantityError(
-            f'"{unit_text}" is the unit of {what}, {wanted} is needed', f'right form: "{number} {kinds[0].unit}"'
-        )
+        other = next((_with_article(k) for k in KINDS if k.dimension == unit.dimension), "something else")
+        said = f'"{unit_text}" is the unit of {other}, {wanted} is needed'
+        raise QuantityError(said, f'right form: "{number} {kinds[0].unit}"')
     if kind is RATIO and unit_text not in RATIOS:
         raise QuantityError(f'"{unit_text}" is no unit of a ratio', f'right form: "{RATIO.example}"')
     try:
@@ -247,10 +239,7 @@ def _power_hint(text: str, number: str) -> str:
 
 
 def in_unit(value: Any, unit: str) -> Any:
-    """Return numbers unchanged, since they are in ``unit`` already, and quantities of pint converted to it.
-
-    Raises QuantityError for a quantity of another dimension.
-    """
+    """Return numbers as they are, quantities of pint converted; raises QuantityError for one of another dimension."""
     if isinstance(value, list | tuple):
         return [in_unit(each, unit) for each in value]
     if not is_of_pint(value):
@@ -264,26 +253,20 @@ def in_unit(value: Any, unit: str) -> Any:
 
 
 def quantity_of(value: Any, *kinds: Kind) -> Quantity:
-    """Return a quantity given from Python, as a text or as a quantity of pint.
-
-    Raises QuantityError as `read_quantity` does, and for a number, which does not say its unit.
-    """
+    """Return a text or a quantity of pint as a quantity; raises as `read_quantity`, and for a number without a unit."""
     if isinstance(value, str):
         return read_quantity(value, *kinds)
-    if is_of_pint(value):
-        return from_pint(value, *kinds)
     if isinstance(value, Quantity) and value.kind in kinds:
         return value
-    if isinstance(value, Real) and not isinstance(value, bool):
-        raise QuantityError("a number without a unit", f'right form: "{kinds[0].example}"')
-    raise QuantityError("needs a number with a unit", f'right form: "{kinds[0].example}"')
+    if is_of_pint(value):
+        return _from_pint(value, *kinds)
+    bare = isinstance(value, Real) and not isinstance(value, bool)
+    what = "a number without a unit" if bare else "needs a number with a unit"
+    raise QuantityError(what, f'right form: "{kinds[0].example}"')
 
 
-def from_pint(value: Any, *kinds: Kind) -> Quantity:
-    """Return a quantity of pint as it is written, which is exact, or converted to the unit of its kind.
-
-    Raises QuantityError if it is of none of the ``kinds``, or not finite.
-    """
+def _from_pint(value: Any, *kinds: Kind) -> Quantity:
+    """Return a quantity of pint as it is written, which is exact, or converted to the unit of its kind."""
     try:
         magnitude = float(value.magnitude)
     except (TypeError, ValueError, OverflowError):
@@ -314,45 +297,37 @@ def _split(text: str, kind: Kind) -> tuple[str, str]:
     right_form = f'right form: "{kind.example}"'
     if len(text) > _MAX_TEXT_LENGTH:
         raise QuantityError(f"a text of more than {_MAX_TEXT_LENGTH} characters", right_form)
-    for pattern, message, hint in _TRAPS:
-        if found := pattern.search(text):
-            raise QuantityError(message.format(_named_character(found[0])), hint(text) if hint else right_form)
+    for pattern, message in _TRAPS.items():
+        if found := re.search(pattern, text):
+            raise QuantityError(message.format(_named_character(found[0])), _mended(text, pattern) or right_form)
+    if re.fullmatch(NUMBER, text):
+        raise QuantityError("no unit", f'right form: "{text} {kind.unit}"')
     match = _QUANTITY.fullmatch(text)
-    if match is None:
-        if re.fullmatch(NUMBER, text):
-            raise QuantityError("no unit", f'right form: "{text} {kind.unit}"')
+    if match is None or (not match[2] and match[3][0] in "./*^"):
         raise QuantityError("not a number and a unit", right_form)
-    number, gap, unit = match.groups()
-    if not gap and unit[0] in "./*^":
-        raise QuantityError("not a number and a unit", right_form)
-    return number, unit
+    return match[1], match[3]
 
 
-def _without_comma(text: str) -> str:
-    if "." in text or text.count(",") > 1:
+def _mended(text: str, trap: str) -> str:
+    """Return advice on a text in a trap if there is some: the text with another sign of minus, or another point."""
+    if trap == _COMMA and ("." in text or text.count(",") > 1):
         return "no commas between thousands; a dot before the decimals"
-    return f'write "{_COMMA.sub(".", text)}"'
+    right = {_MINUS: "-", _COMMA: ".", _UNDERSCORE: ""}
+    return f'write "{re.sub(trap, right[trap], text)}"' if trap in right else ""
 
 
 _MAX_TEXT_LENGTH = 200
-Hint = Callable[[str], str]
-_TRAPS: tuple[tuple[re.Pattern[str], str, Hint | None], ...] = (
-    (
-        re.compile(rf"[{_MINUS_SIGNS}]"),
-        "{} is not the minus sign of a number; that is '-', U+002D",
-        lambda text: f'write "{re.sub(f"[{_MINUS_SIGNS}]", "-", text)}"',
-    ),
-    (re.compile(r"(?<=[0-9]),[0-9]+"), "a comma in a number", _without_comma),
-    (re.compile(r"^[+-]?0[xobXOB]"), "not a decimal number", None),
-    (re.compile(r"^[+-]?(?:nan|inf|infinity)\b", re.IGNORECASE), "not a finite number", None),
-    (re.compile(r"[0-9]_[0-9]"), "an underscore in a number", lambda text: f'write "{text.replace("_", "")}"'),
-    (
-        re.compile(r"[0-9] *(?:\*|/|\+|-)+ *[0-9(]|[^*/^eE ] +[+-] *[0-9]|[()]"),
-        "an expression; one number and one unit are needed",
-        None,
-    ),
-    (re.compile(rf"^{_MANTISSA}[eE][+-]?[0-9]{{4,}}"), "an exponent of more than three digits", None),
-)
+_MINUS, _COMMA, _UNDERSCORE = f"[{_MINUS_SIGNS}]", "(?<=[0-9]),(?=[0-9])", "(?<=[0-9])_(?=[0-9])"
+_TRAPS = {
+    _MINUS: "{} is not the minus sign of a number; that is '-', U+002D",
+    _COMMA: "a comma in a number",
+    "^[+-]?0[xobXOB]": "not a decimal number",
+    r"(?i)^[+-]?(?:nan|inf|infinity)\b": "not a finite number",
+    _UNDERSCORE: "an underscore in a number",
+    r"[0-9] *(?:\*|/|\+|-)+ *[0-9(]|[^*/^eE ] +[+-] *[0-9]|[()]": "an expression; one number and one unit are needed",
+    rf"^{_MANTISSA}[eE][+-]?[0-9]{{4,}}": "an exponent of more than three digits",
+}
+"""What a text may have in place of a number, in the order in which it is looked for, and what is said of it."""
 
 
 def _named_character(character: str) -> str:
@@ -361,3 +336,30 @@ def _named_character(character: str) -> str:
 
 def _with_article(kind: Kind) -> str:
     return f"an {kind.name}" if kind.name[0] in "aeiou" else f"a {kind.name}"
+
+
+# How files and people spell units: newton for Newton, um^2 for um2; one way for text, HDF5 and the shell.
+NONE = frozenset(["", "1", "-"])  # what stands in place of a unit if a column has none
+BESIDE = frozenset(
+    [prefix + unit for unit in ("V", "A", "W", "Hz", "Ohm", "\u03a9", "\u2126") for prefix in ("", *"u\u00b5\u03bcmkM")]
+    + ["K", "C", "\u00b0C", "degC", "rpm", "1/min", "dB", "rad", "deg", "\u00b0", "%"]
+)
+"""Units of other columns: known, and kept as they are."""
+
+_POWERS = str.maketrans({"\u00b2": "^2", "\u00b3": "^3", "\u00b7": "*", "\u22c5": "*"})
+_ALSO = "kp kgf, msec ms, usec us, d day, days day, hours hour, minutes minute, sek s, sek. s, sekunde s, sekunden s"
+_SPELLINGS = dict(pair.split() for pair in _ALSO.split(", "))
+
+
+def spelled(unit: str) -> str:
+    """Return a unit as the table of units spells it: newton for Newton, um^2 for um2, an empty text for `-`."""
+    text = unit.strip().translate(_POWERS).replace("_per_", "/")
+    lower = text.lower() if text[1:].islower() and len(text) > 2 else ""
+    powered = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])([23])(?=$|/)", r"^\1", text)
+    known = (way for way in (text, _SPELLINGS.get(text.lower(), ""), lower, powered) if is_unit(way))
+    return next(known, "" if text in NONE else text)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a known unit, as `spelled` returns it."""
+    return text in BESIDE or len(unit_or_one(text).dimension) > 0

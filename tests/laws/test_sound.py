@@ -15,7 +15,7 @@ import rubnoise
 from rubnoise.analysis.sound import CROSSINGS, PASSED, Sound, level_of, output_count, resampled, samples_of
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.wave_file import STEPS
+from rubnoise.storage.sound import STEPS
 from rubnoise.theory.coupling import load_motion
 from rubnoise.theory.sampling import expected_periodogram
 from tests.architecture.sources import ROOT

@@ -22,7 +22,7 @@ from rubnoise.analysis.sound import (
 from rubnoise.analysis.spectra import Band, band_powers, hann, welch
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.storage.wave_file import STEPS, write_wave
+from rubnoise.storage.sound import STEPS, write_wave
 from rubnoise.theory.sampling import expected_periodogram
 from tests.laws.scores import seed_of
 from tests.models import bare, recorded

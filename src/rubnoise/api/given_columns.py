@@ -12,7 +12,7 @@ from rubnoise.api.columns import Column
 from rubnoise.errors import Refused
 from rubnoise.real_numbers import with_unit
 from rubnoise.storage.measured import Source, head_of
-from rubnoise.unit_spelling import NONE
+from rubnoise.units import NONE
 
 _NANOSECONDS: Final = 1e-9
 _PLACES: Final = ("s", "um")

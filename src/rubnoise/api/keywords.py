@@ -12,7 +12,6 @@ from typing import Any, Final
 from rubnoise import units
 from rubnoise.errors import Refused
 from rubnoise.storage.measured import Asked, Source
-from rubnoise.unit_spelling import spelled
 
 SMALLEST: Final = 1e-12
 LARGEST: Final = 1e12
@@ -114,7 +113,7 @@ def scale_of(unit: Any, what: str) -> tuple[float | None, bool, float]:
     number, name = "1", ""
     if isinstance(text, str):
         number, name = _SIZE.fullmatch(text.strip()).groups()  # type: ignore[union-attr]  # fits any text
-        number, name = number or "1", spelled(name)
+        number, name = number or "1", units.spelled(name)
     volts = _VOLTS.fullmatch(name)
     try:
         factor = units.quantity_of(

@@ -7,6 +7,7 @@ from typing import Any
 
 from rubnoise.api.keywords import LARGEST, SMALLEST, shown
 from rubnoise.errors import NoColumn, Refused, ScenarioRefused, refusing_files
+from rubnoise.real_numbers import check_unit
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario
 from rubnoise.scenario import build as build_scenario
@@ -17,7 +18,6 @@ from rubnoise.scenario.reading import in_full
 from rubnoise.scenario.shipped import named, shipped_names
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep import load_sweep as load_sweep_file
-from rubnoise.unit_spelling import check_unit
 from rubnoise.units import LENGTH, unit_or_one
 
 

@@ -19,11 +19,10 @@ from rubnoise.api.given_columns import columns_of, source_of
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.signal import clipped, digits
-from rubnoise.real_numbers import with_unit
+from rubnoise.real_numbers import check_unit, with_unit
 from rubnoise.storage.foreign import opened
 from rubnoise.storage.measured import Source, measured
-from rubnoise.unit_spelling import NONE, OTHERS, check_unit
-from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
+from rubnoise.units import AREA, BESIDE, FORCE, FREQUENCY, KINDS, LENGTH, MASS, NONE, SPEED, STRESS, TIME, parse_unit
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
 """Kinds whose units are converted to the working unit."""
@@ -265,7 +264,7 @@ def _in_working_units(unit: str, what: str, notes: list[str], *, own: bool) -> t
     """
     if unit in NONE:
         return "1", 1.0
-    if unit in OTHERS:
+    if unit in BESIDE:
         return unit, 1.0
     try:
         check_unit(unit, what)

@@ -56,7 +56,7 @@ def listen(
     from rubnoise.analysis.sound import Sound, audible, level_of, on_one_scale, samples_of
     from rubnoise.cli.loading import finished_run
     from rubnoise.storage.output import whole_file
-    from rubnoise.storage.wave_file import check_length, write_wave
+    from rubnoise.storage.sound import check_length, write_wave
 
     for name, value in (("--speed-up", speed_up), ("--seconds", seconds)):
         if value is not None and not (isfinite(value) and value > 0.0):
@@ -117,7 +117,7 @@ def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
 def sound_answer(path: Path, sound: "Sound", level: "Level", others: int = 0) -> Answer:
     """Return the file that was written, its scale, and its audible part; ``others`` have the same scale."""
     from rubnoise.analysis.sound import Hearing
-    from rubnoise.storage.wave_file import BITS
+    from rubnoise.storage.sound import BITS
 
     whose = "the loudest sample of all runs" if others else "the loudest sample"
     rate = f"{sound.rate:,} samples a second of {BITS} bits"

@@ -25,7 +25,7 @@ from rubnoise.pages.report_words import in_words
 from rubnoise.record.reader import Reader
 from rubnoise.scenario import loads
 from rubnoise.scenario.text import text_of
-from rubnoise.storage.wave_file import write_wave
+from rubnoise.storage.sound import write_wave
 from rubnoise.surface.sliding import SlidingContact
 from rubnoise.tables import as_html
 from rubnoise.web_page import coded, report_page

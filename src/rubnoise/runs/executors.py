@@ -59,11 +59,8 @@ def versions() -> str:
 
 # This process and others on this machine.
 MOST_JOBS: Final = 1024
-LIBRARY_THREADS: Final = ("OMP", "OPENBLAS", "MKL", "NUMBA", "VECLIB_MAXIMUM")
-ONE_THREAD: Final = {f"{library}_NUM_THREADS": "1" for library in LIBRARY_THREADS}
+ONE_THREAD: Final = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA", "VECLIB_MAXIMUM")}
 """One thread for each worker, since there are as many workers as processors."""
-
-_LOOKS_FOR_PARENT_EVERY: Final = 0.5
 
 
 def processors() -> int:
@@ -105,24 +102,20 @@ def _processes(count: int) -> Iterator[Any]:
 
 def _begin_worker(parent: int) -> None:
     """Leave the keyboard's signal to the parent, since the keyboard sends it to all, and end when the parent ends."""
+
+    def end_with_parent() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)  # what it was making stays as a part, which the next one overwrites
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     warnings.filterwarnings("ignore", "compiled code cannot be kept")  # which each worker would say
-    Thread(target=_end_with, args=(parent,), daemon=True).start()
-
-
-def _end_with(parent: int) -> None:
-    while os.getppid() == parent:
-        time.sleep(_LOOKS_FOR_PARENT_EVERY)
-    os._exit(1)  # what it was making stays as a part, which the next one overwrites
+    Thread(target=end_with_parent, daemon=True).start()
 
 
 # Executors of others.
-PATIENCE: Final = 30.0
-"""Seconds for a scheduler to answer."""
-
+PATIENCE: Final = 30.0  # seconds for a scheduler to answer
 SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the sweep"
-
-_LAST_PORT: Final = 65_535
 
 
 @contextmanager
@@ -132,18 +125,16 @@ def opened(executor: Any, jobs: int | None, runs: int | None = None) -> Iterator
     The last one gets work for so many calls at a time, by default one for each processor here. Raises Refused for
     something else, if no scheduler answers, and if workers have other versions; ExtraMissing without Dask.
     """
-    with ExitStack() as ending:
-        if isinstance(executor, str):
-            executor = ending.enter_context(_client(executor))
-        if executor is None:
+    with _client(executor) if isinstance(executor, str) else nullcontext(executor) as found:
+        if found is None:
             yield local(jobs, runs)
-        elif hasattr(executor, "get_executor"):
-            yield _of_client(executor)
-        elif hasattr(executor, "submit"):
-            yield Workers(lambda: nullcontext(executor), lambda: jobs or processors())
+        elif hasattr(found, "get_executor"):
+            yield _of_client(found)
+        elif hasattr(found, "submit"):
+            yield Workers(lambda: nullcontext(found), lambda: jobs or processors())
         else:
             form = "an executor has submit(function, *arguments), which returns a Future"
-            raise Refused(f"executor=: {type(executor).__name__} is no executor; {form}")
+            raise Refused(f"executor=: {type(found).__name__} is no executor; {form}")
 
 
 def _client(scheduler: str) -> Any:
@@ -156,7 +147,7 @@ def _client(scheduler: str) -> Any:
         _, port = known.get_address_host_port(known.normalize_address(address), strict=True)
     except (OSError, ValueError, KeyError, TypeError):
         port = 0
-    if not 1 <= port <= _LAST_PORT:  # Dask's client would never end
+    if not 1 <= port < 1 << 16:  # Dask's client would never end
         raise Refused(f"{scheduler}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786")
     try:
         return dask.Client(address, timeout=PATIENCE, set_as_default=False)
@@ -169,18 +160,15 @@ def _of_client(client: Any) -> Workers:
     for worker, theirs in client.run(versions, on_error="return").items():
         if theirs != versions():
             has = theirs if isinstance(theirs, str) else "no version that it says"
-            raise Refused(
-                f"{worker}: this worker has {has}, and this process {versions()}; all runs of a sweep are made by one"
-                " version"
-            )
+            one = "all runs of a sweep are made by one version"
+            raise Refused(f"{worker}: this worker has {has}, and this process {versions()}; {one}")
 
     @contextmanager
     def start() -> Iterator[Any]:
-        executor = client.get_executor(pure=False)
-        try:
+        with ExitStack() as ending:
+            executor = client.get_executor(pure=False)
+            ending.callback(executor.shutdown, wait=False)
             yield executor
-        finally:
-            executor.shutdown(wait=False)
 
     def lanes() -> int:
         try:
@@ -192,30 +180,19 @@ def _of_client(client: Any) -> Workers:
 
 
 # What they make.
-AHEAD: Final = 2
-"""Runs that are sent for each lane, one of which waits."""
-
-BETWEEN: Final = 0.1
-"""Seconds after which a waiting sweep looks for signals and calls its watch."""
-
-TRIES: Final = 3
-"""Workers that a run may cost."""
-
+AHEAD: Final = 2  # runs that are sent for each lane, one of which waits
+BETWEEN: Final = 0.1  # seconds after which a waiting sweep looks for signals and calls its watch
+TRIES: Final = 3  # workers that a run may cost
 Work = Callable[[Point], Any]
 Sent = dict["Future[Any]", tuple[Point, int]]
 """Points that are being made, each with the number of workers that it has cost."""
 
 
 def attempted(work: Work, point: Point, asked: str) -> Any:
-    """Return the result of a point, or Failed, since an error that is raised is that of a worker.
-
-    Raises WorkLost, and begins nothing, if ``asked`` are other versions than those of this process.
-    """
+    """Return the result of a point, or Failed; raises WorkLost, and begins nothing, if ``asked`` are other versions."""
     if versions() != asked:
-        raise WorkLost(
-            f"a worker has {versions()}, and this process {asked}; give it the same versions, and the same command"
-            " resumes the sweep"
-        )
+        remedy = "give it the same versions, and the same command resumes the sweep"
+        raise WorkLost(f"a worker has {versions()}, and this process {asked}; {remedy}")
     try:
         return work(point)
     except RunStopped:
@@ -257,10 +234,7 @@ def outcomes(
 
 
 def _takes_all(executor: Any, work: Work, most: int, waiting: list[deque[Point]], sent: Sent) -> bool:
-    """Send points as long as lanes are free; whether the executor takes them, since it loses what it does not take.
-
-    Points that have cost many workers are sent while no other is out.
-    """
+    """Send points as long as lanes are free, the most costly ones alone; whether the executor takes them all."""
     while len(sent) < most:
         lost = next((lost for lost, points in enumerate(waiting) if points and (lost < TRIES - 1 or not sent)), None)
         if lost is None:

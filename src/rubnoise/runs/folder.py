@@ -38,9 +38,7 @@ from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.units import RATIO, Quantity
 
-RUNS: Final = "runs"
-"""The folder of the files, in that of the sweep."""
-
+RUNS: Final = "runs"  # the folder of the files, in that of the sweep
 SUFFIXES: Final[Mapping[Keep, str]] = {"runs": ".h5", "summary": ".npz"}
 
 Figures = Mapping[str, Any]
@@ -55,12 +53,10 @@ def file_of(folder: Path, run_id: str, keep: Keep) -> Path:
     return folder / RUNS / f"{run_id}{SUFFIXES[keep]}"
 
 
-def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch) -> Figures | None:
-    """Make one run into its file, unless it is there, and return its figures; None if another process is making it.
-
-    ``watch`` is called after each range of ticks, and may raise. Raises OutputRefused if the result of another run is
-    in its place.
-    """
+def made(
+    point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch = lambda *_: None
+) -> Figures | None:
+    """Make one run into its file, if it is not there, and return its figures; None if another process makes it."""
     path = file_of(folder, point.run_id, keep)
     try:
         if (there := found(point, path)) is not None:
@@ -81,7 +77,7 @@ def numbers_in(figures: Figures) -> Figures:
     return {name: value for name, value in figures.items() if isinstance(value, int | float)}
 
 
-def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda _distance, _junctions, _live: None) -> Figures:
+def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda *_: None) -> Figures:
     """Run a scenario and return its figures and curves, with the theory of the curves for the first replicate."""
     model = scenario.model()
     sink = SummarySink(model)
@@ -130,10 +126,7 @@ def read(path: Path, *, checked: bool = False) -> tuple[Mapping[str, Any], Figur
 
 
 def scenario_in(file: Reader) -> Mapping[str, Any]:
-    """Return the resolved scenario in a result, empty if this version makes other bits of it.
-
-    Raises RunFileRefused if it cannot be read.
-    """
+    """Return the scenario in a result, empty if this version makes other bits of it; raises RunFileRefused."""
     origin = file.provenance
     if origin["stream_version"] != STREAM_VERSION or "intervention" in origin:
         return {}  # with lives ended from outside it is no sample of the scenario
@@ -172,8 +165,6 @@ ABOUT: Final = {
 }
 """The columns of runs that are neither swept keys nor figures, and what they mean."""
 
-_FILE_KEYS: Final = ("diameter.file", "diameter.column")
-
 
 def index_of(
     sweep: Sweep, points: Sequence[Point], found: Mapping[str, Figures], failed: Mapping[str, str], command: str
@@ -183,29 +174,21 @@ def index_of(
     for point in points:
         firsts.setdefault(tuple(point.values.values()), point)
     places = {values: number for number, values in enumerate(firsts)}
-    numbers = [places[tuple(point.values.values())] for point in points]
-    runs, names = [found.get(point.run_id, {}) for point in points], [point.run_id for point in points]
-    states = [DONE if name in found else FAILED if name in failed else PLANNED for name in names]
-    reasons = [in_few(failed[name]) if state == FAILED else "" for name, state in zip(names, states, strict=True)]
-    kept = found if sweep.keep == "runs" else {}
-    values = {
-        "run": range(len(points)),
-        "run_id": names,
-        "point": numbers,
-        "replicate": [point.replicate for point in points],
-        "seed": [point.seed for point in points],
-        "file": [file_of(Path(), name, "runs").as_posix() if name in kept else "" for name in names],
-        "state": states,
-        "reason": reasons,
-    }
-    about = [_column(name, meaning, values[name]) for name, meaning in ABOUT.items()]
+    numbers, rows = [places[tuple(point.values.values())] for point in points], list[tuple[Any, ...]]()
+    for row, (point, number) in enumerate(zip(points, numbers, strict=True)):
+        name = point.run_id
+        state = DONE if name in found else FAILED if name in failed else PLANNED
+        file = file_of(Path(), name, "runs").as_posix() if state == DONE and sweep.keep == "runs" else ""
+        reason = in_few(failed[name]) if state == FAILED else ""
+        rows.append((row, name, number, point.replicate, point.seed, file, state, reason))
+    about = [_column(*each, values) for each, values in zip(ABOUT.items(), zip(*rows, strict=True), strict=True)]
     keys = [_swept(key, [point.scenario for point in firsts.values()]) for key in sweep.keys]
-    swept = [replace(key, values=key.values[numbers]) for key in keys]
     of_points = [
         _column("point", "number of the point", range(len(firsts))),
         _column("values", "swept values as written, as JSON", [*map(_values_of, firsts.values())]),
         *keys,
     ]
+    swept, runs = [replace(key, values=key.values[numbers]) for key in keys], [found.get(row[1], {}) for row in rows]
     of_runs = [*about[:4], *swept, *about[4:], *figure_columns(runs)]
     return Index(
         texts=_texts(sweep, next(iter(firsts.values())).scenario, command),
@@ -218,7 +201,7 @@ def index_of(
 def _values_of(point: Point) -> str:
     """Return the swept values of a point as written, with the sizes of a swept file, which may go, as JSON."""
     found = dict(point.values)
-    if not found.keys().isdisjoint(_FILE_KEYS):
+    if not found.keys().isdisjoint(("diameter.file", "diameter.column")):
         sizes = point.scenario.resolved()["diameter"]
         found |= {f"diameter.{name}": sizes[name] for name in ("values", "hash")}
     return json.dumps(found)
@@ -267,10 +250,7 @@ def figure_columns(runs: Sequence[Figures]) -> Iterator[Filled]:
 
 
 def _summaries(runs: Sequence[Figures], numbers: Sequence[int], points: int) -> dict[str, NDArray[Any]]:
-    """Return the curves of runs, a row for each, and what is the same for all runs of a point, a row for each point.
-
-    What there is not is nan.
-    """
+    """Return curves, a row for each run, and what the runs of a point share, a row for each point; else nan."""
     found: dict[str, NDArray[Any]] = {}
     for row, (number, run) in enumerate(zip(numbers, runs, strict=True)):
         for name, values in run.items():
@@ -283,10 +263,7 @@ def _summaries(runs: Sequence[Figures], numbers: Sequence[int], points: int) -> 
 
 
 def known_runs(root: Path, sweep: Sweep) -> tuple[dict[str, Figures], dict[str, str], int]:
-    """Return what the index of a folder knows: runs whose files are older than it, failures, and replicates of points.
-
-    Nothing if there is no index, or a damaged one: everything is then read from the files.
-    """
+    """Return what an index knows, if it is sound: runs whose files are older, failures, replicates of points."""
     found: dict[str, Figures] = {}
     try:
         written = (root / INDEX).stat().st_mtime_ns

@@ -70,10 +70,7 @@ def describe(
     intervene: Intervention | str | None = None,
     known: Extent | None = None,
 ) -> RunDescription:
-    """Return the description of a result that begins now; this counts its births, if its rows are not ``known``.
-
-    ``intervene`` is the function that may end lives, or its name.
-    """
+    """Return the description of a result that begins now; this counts its births, if its rows are not ``known``."""
     model, seed = scenario.model(), scenario.run.seed
     name = intervene if isinstance(intervene, str) else "" if intervene is None else name_of(intervene)
     return RunDescription(
@@ -106,11 +103,7 @@ def play(
     observe: Observer | None = None,
     intervene: Intervention | None = None,
 ) -> dict[str, float | int | str]:
-    """Play a scenario into an entered writer, publish the file, and return its figures.
-
-    ``watch`` is called after each range of ticks, and now and then while a file is compressed; ``observe`` and
-    ``intervene`` are those of `rubnoise.run`.
-    """
+    """Play a scenario into an entered writer, publish the file and return its figures; ``watch`` may raise."""
     seen = Measured(scenario.model())
     end = simulate(
         seen.model,

@@ -10,8 +10,8 @@ import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
+from functools import cache, partial
 from math import inf, nan
 from pathlib import Path
 from shlex import join
@@ -29,8 +29,7 @@ from rubnoise.storage.index import index_bytes
 from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import OutputInUse, whole_file
 
-Ended = Mapping[str, Mapping[str, float]]
-"""Figures of the runs that have ended, by run id; a failed run has none."""
+Ended = Mapping[str, Mapping[str, float]]  # figures of the runs that have ended, by run id; a failed run has none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,20 +118,17 @@ def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
     cases, seed = {run_id(case.scenario): case for case in sweep.cases}, sweep.cases[0].scenario.run.seed
     there = sorted((root / RUNS).iterdir()) if (root / RUNS).is_dir() else []
     others = [path for path in there if _RUN.fullmatch(path.name) and path.stem not in known]
-    replicates: dict[str, set[str]] = {}
+    more = cache(lambda name: {point.run_id for point in points_of([cases[name]], len(others) + len(known))})
     for path in others:
         with suppress(RunFileRefused):
             resolved, _ = read(path)
-            name, reason = name_in(resolved, path, seed), ""
+            name, reason = name_in(resolved, path, seed), "its seed is of another run.seed"
             if name not in cases:
                 reason = _difference(resolved, sweep)
-            elif name not in replicates:
-                more = points_of([cases[name]], len(others) + len(known))
-                replicates[name] = {point.run_id for point in more}
-            if reason or path.stem not in replicates[name]:
-                said = f"{path.stem}: {reason or 'its seed is of another run.seed'}"
-                remedy = "force=True leaves them beside the runs of this one"
-                raise OutputRefused(f"{root}: holds the runs of another scenario; {said}; {remedy}")
+            elif path.stem in more(name):
+                continue
+            remedy = "force=True leaves them beside the runs of this one"
+            raise OutputRefused(f"{root}: holds the runs of another scenario; {path.stem}: {reason}; {remedy}")
 
 
 def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
@@ -157,15 +153,10 @@ def in_shard(shard: str, whole: Iterable[str]) -> set[str]:
 
 
 # What is made.
-EVERY: Final = 5.0
-"""Least seconds between two indices."""
-
-SHARE: Final = 0.02
-"""Largest share of a sweep's time for its index, the last one not counted."""
-
-PATIENCE: Final = 60.0
-BETWEEN: Final = 0.2
-"""Seconds to wait for another process that writes the index, and between two tries."""
+EVERY: Final = 5.0  # least seconds between two indices
+SHARE: Final = 0.02  # largest share of a sweep's time for its index, the last one not counted
+PATIENCE: Final = 60.0  # seconds to wait for another process that writes the index
+BETWEEN: Final = 0.2  # seconds between two tries
 
 
 class SweepStopped(RunStopped):
@@ -186,6 +177,9 @@ class SweepProgress:
     before: int
 
 
+Watching = Callable[[SweepProgress], None]
+
+
 def carry_out(
     sweep: Sweep,
     folder: str | os.PathLike[str],
@@ -195,7 +189,7 @@ def carry_out(
     shard: str | None = None,
     force: bool = False,
     command: Sequence[str] | None = None,
-    watch: Callable[[SweepProgress], None] = lambda _progress: None,
+    watch: Watching = lambda _progress: None,
 ) -> list[Unmet]:
     """Make the missing runs of a sweep in its folder, write its index, and return the points without their precision.
 
@@ -208,7 +202,7 @@ def carry_out(
         raise Refused("jobs=: the workers of a cluster are its own; leave jobs= out")
     executors.local(jobs)  # which refuses what is no number
     check_folder(root)
-    making = _Making(sweep, root, shard, tuple(command or this_command()), watch)
+    making = _Making(sweep, root, shard, command or this_command(), watch)
     if not force:
         planned = points_of(sweep.cases, max(sweep.replicates, making.replicates))
         check_strangers(root, sweep, {point.run_id for point in planned})
@@ -221,28 +215,18 @@ def carry_out(
 
 
 class _Making:
-    """Makes runs, round by round, until no more runs are needed."""
+    """Makes runs, round by round, until no more runs are needed.
 
-    def __init__(
-        self,
-        sweep: Sweep,
-        root: Path,
-        shard: str | None,
-        command: tuple[str, ...],
-        watch: Callable[[SweepProgress], None],
-    ) -> None:
+    ``_mine`` tells the runs of a shard, ``_before`` has those that an earlier index calls failed, ``_left`` those that
+    other processes make.
+    """
+
+    def __init__(self, sweep: Sweep, root: Path, shard: str | None, command: Sequence[str], watch: Watching) -> None:
         self._sweep, self._root, self._command, self._watch = sweep, root, command, watch
         self._found, self._before, self.replicates = known_runs(root, sweep)
-        self._failed: dict[str, str] = {}
+        self._failed, self._left = dict[str, str](), set[str]()
         self._runs = self._done = self._already = 0
-        self._left: set[str] = set()  # to other processes
-        if shard is not None and sweep.precision:  # whole points, since the shard decides on them
-            mine = in_shard(shard, [run_id(case.scenario) for case in sweep.cases])
-            sweep = replace(sweep, cases=tuple(case for case in sweep.cases if run_id(case.scenario) in mine))
-        self._adaptive = AdaptiveReplicates(sweep)
-        if shard is not None and not sweep.precision:
-            names = [point.run_id for point in self._adaptive.points]
-            self._left = {*names} - in_shard(shard, names)
+        self._adaptive, self._mine = AdaptiveReplicates(sweep), _part_of(sweep, shard)
         self._due = time.monotonic() + EVERY if shard is None else inf  # a shard writes the index only at its end
 
     def make_all(self, jobs: int | None, executor: Any) -> None:
@@ -255,8 +239,9 @@ class _Making:
         self._already = self._done
         with executors.opened(executor, jobs, None if self._sweep.precision else len(missing)) as workers:
             (self._root / RUNS).mkdir(parents=True, exist_ok=True)
-            watch = _unwatched if workers.lanes() else self._tell
-            work = partial(made, folder=self._root, keep=self._sweep.keep, command=self._command, watch=watch)
+            work = partial(made, folder=self._root, keep=self._sweep.keep, command=self._command)
+            if not workers.lanes():  # else a worker is stopped by who started it
+                work = partial(work, watch=self._tell)
             self._tell()
             points, left = deque(missing), len(missing)
             with closing(executors.outcomes(points, work, workers, self._tell)) as outcomes:
@@ -268,12 +253,13 @@ class _Making:
                         left = len(points)
             self._tell()
 
-    def _missing(self) -> list[Point]:
-        """Return the wanted runs that are neither made now nor there; none if the sweep needs no more."""
-        missing = list[Point]()
-        while not missing and (wanted := [p for p in self._adaptive(self._ended()) if p.run_id not in self._left]):
-            missing = [point for point in wanted if not self._take_up(point)]
-        own = [point.run_id for point in self._adaptive.points if point.run_id not in self._left]
+    def _missing(self, *, of_all: bool = False) -> list[Point]:
+        """Take up the wanted runs that are there, of this shard or of all; return those that are not there."""
+        missing, looked_for = list[Point](), set(self._left)
+        while more := [point for point in self._adaptive(self._ended()) if point.run_id not in looked_for]:
+            looked_for |= {point.run_id for point in more}
+            missing += [point for point in more if (of_all or self._mine(point)) and not self._take_up(point)]
+        own = [point.run_id for point in self._adaptive.points if self._mine(point) and point.run_id not in self._left]
         self._runs, self._done = len(own), sum(name in self._found for name in own)
         return missing
 
@@ -306,8 +292,8 @@ class _Making:
             self._found[name] = result
             self._done += 1
         if (began := time.monotonic()) >= self._due:
-            with suppress(OutputInUse):
-                self._write_index(self._adaptive.points)
+            with suppress(OutputInUse), whole_file(self._root / INDEX, force=True) as part:
+                self._write_index(part)
             self._due = time.monotonic() + max(EVERY, (time.monotonic() - began) / SHARE)
 
     def end(self) -> list[Unmet]:
@@ -316,30 +302,30 @@ class _Making:
         last = time.monotonic() + PATIENCE
         while True:
             try:
-                self._write_index()
-                return self._adaptive.unmet(self._ended())
+                with whole_file(self._root / INDEX, force=True) as part:
+                    known, before, _ = known_runs(self._root, self._sweep)
+                    self._found, self._before = known | self._found, before | self._before
+                    self._left.clear()
+                    self._missing(of_all=True)
+                    self._write_index(part)
+                return [unmet for unmet in self._adaptive.unmet(self._ended()) if self._mine(unmet)]
             except OutputInUse:
                 if time.monotonic() >= last:
                     raise
                 time.sleep(BETWEEN)
 
-    def _write_index(self, points: Sequence[Point] = ()) -> None:
-        """Write the index over an older one, by default with all runs that are there now."""
-        with whole_file(self._root / INDEX, force=True) as part:
-            points = points or self._all_points()
-            index = index_of(self._sweep, points, self._found, self._before | self._failed, join(self._command))
-            part.write_bytes(index_bytes(index))
-
-    def _all_points(self) -> Sequence[Point]:
-        """Look for the runs of others, and return all runs that the sweep needs as far as is known."""
-        known, before, _ = known_runs(self._root, self._sweep)
-        self._found, self._before = known | self._found, before | self._before
-        whole = AdaptiveReplicates(self._sweep)
-        looked_for: set[str] = set()
-        while more := [point for point in whole(self._ended()) if point.run_id not in looked_for]:
-            looked_for |= {point.run_id for point in more if not self._take_up(point)}
-        return whole.points
+    def _write_index(self, part: Path) -> None:
+        failed, command = self._before | self._failed, join(self._command)
+        part.write_bytes(index_bytes(index_of(self._sweep, self._adaptive.points, self._found, failed, command)))
 
 
-def _unwatched(*_: object) -> None:
-    """Watch nothing: a worker is stopped by who started it."""
+def _part_of(sweep: Sweep, shard: str | None) -> Callable[[Any], bool]:
+    """Return what tells whether a run is of a shard; with a precision a shard has whole points, since it decides."""
+    if shard is None:
+        return lambda _: True
+    if sweep.precision:
+        mine = in_shard(shard, [run_id(case.scenario) for case in sweep.cases])
+        cases = {tuple(case.values.values()) for case in sweep.cases if run_id(case.scenario) in mine}
+        return lambda point: tuple(point.values.values()) in cases
+    runs = in_shard(shard, [point.run_id for point in points_of(sweep.cases, sweep.replicates)])
+    return lambda point: point.run_id in runs

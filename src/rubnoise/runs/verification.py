@@ -38,9 +38,9 @@ from rubnoise.scenario.sweep import name_of
 from rubnoise.simulation.run import Ended, simulate
 from rubnoise.storage.format import seal_of
 from rubnoise.storage.index import read_index
+from rubnoise.storage.inventory import Inventory, expected_inventory
 from rubnoise.storage.layout import environment
 from rubnoise.storage.life_curve import life_tables
-from rubnoise.storage.objects import expected_inventory
 from rubnoise.storage.output import PART
 from rubnoise.storage.reader import UNREADABLE, RunFile, open_run, refusing
 from rubnoise.storage.schema import HASH, INTERVENTION
@@ -52,9 +52,7 @@ ORIGIN: Final = {"source", "scenario_toml", "software", "environment", "command"
 MEASURED, EXACT = 1e-9, 1e-6
 """Relative: measured figures are sums in any order, exact ones and errors come from quadratures."""
 
-LONGEST: Final = 160
-"""Characters of a value that are shown."""
-
+LONGEST: Final = 160  # characters of a value that are shown
 _CONSTANT: Final = 2.0**-30
 """Standard deviation over mean below which a column is constant but for rounding, and has no shape."""
 
@@ -75,7 +73,7 @@ class Check:
 
     def equal(self, place: str, first_row: int, found: NDArray[Any], expected: NDArray[Any]) -> None:
         """Compare rows of a column bit for bit: -0 differs from 0, and nan equals nan."""
-        right, bits = np.ascontiguousarray(expected, found.dtype), f"u{found.dtype.itemsize}"
+        bits, right = f"u{found.dtype.itemsize}", np.ascontiguousarray(expected, found.dtype)
         wrong = np.flatnonzero(np.ascontiguousarray(found).view(bits) != right.view(bits))
         self.values += found.size
         if wrong.size:
@@ -89,6 +87,12 @@ class Check:
             one, other = str(found), str(expected)
             begin = max(len(commonprefix([one, other])) - LONGEST // 2, 0)  # noqa: RUF071  (of any text)
             self.differ(f"{place} is {one[begin:][:LONGEST]}, should be {other[begin:][:LONGEST]}")
+
+    def compare(self, found: Mapping[str, object], expected: Mapping[str, object], *, where: str = "") -> None:
+        """Compare values by name, of which neither side may lack one; ``where`` stands before the names."""
+        for name in {**expected, **found}:
+            one, other = (each.get(name, "missing") for each in (found, expected))
+            self.say(f"{where}{name}", found=one, expected=other)
 
     def differ(self, said: str, count: int = 1) -> None:
         """Count differences, and keep what is said of the first one."""
@@ -124,14 +128,14 @@ class Verification(Answer):
         return sum(check.values for check in self.checks)
 
 
-def verification(checks: Sequence[Check], omitted: Sequence[Row] = (), remark: str = "") -> Verification:
+def _verification(checks: Sequence[Check], *omitted: Row, remark: str = "") -> Verification:
     """Return the answer of finished checks, of what was left out, and of what may explain a difference."""
-    rows, values = [], sum(check.values for check in checks)
+    rows, notes = list[Row](), (remark,) if remark else ()
     for check in checks:
         note = "" if check.holds else f"{check.different:,} different; the first: {check.first}"
         rows.append(Row(part="checks", name=check.name, value=check.values, note=note, fails=not check.holds))
-    judged, notes = f"{len(checks)} checks of {values:,} values", (remark,) if remark else ()
-    return Verification(rows=(*rows, *omitted), notes=notes, judged=judged, checks=checks, remark=remark)
+    found = Verification(rows=(*rows, *omitted), notes=notes, checks=checks, remark=remark)
+    return replace(found, judged=f"{len(checks)} checks of {found.values:,} values")
 
 
 def verify(run: RunFile, *, regenerate: bool = False) -> Verification:
@@ -148,17 +152,17 @@ def verify(run: RunFile, *, regenerate: bool = False) -> Verification:
         raise Refused(f"{others}; leave --regenerate away")
     hashes, structure, attributes = checks = [Check("hashes"), Check("structure"), Check("attributes")]
     if lost := _check_hashes(hashes, run):
-        return verification(checks[:1], [left_out("everything else", f"{lost[0]} cannot be read")])
+        return _verification(checks[:1], left_out("everything else", f"{lost[0]} cannot be read"))
     try:
         scenario = stored(run.provenance["scenario_resolved"])
     except RunFileRefused as refusal:
         structure.differ(f"/provenance scenario_resolved {refusal}")
-        return verification(checks[:2], [left_out("everything else", "there is no scenario")])
+        return _verification(checks[:2], left_out("everything else", "there is no scenario"))
     _check_description(structure, attributes, scenario, run)
     if not structure.holds:
-        return verification(checks, [left_out("everything else", "groups and columns are not those of the scenario")])
+        return _verification(checks, left_out("everything else", "groups and columns are not those of the scenario"))
     if others:
-        return verification(checks, [left_out(name, others) for name in ("replay", "summary")])
+        return _verification(checks, *(left_out(name, others) for name in ("replay", "summary")))
     return _played(checks, scenario, run)
 
 
@@ -166,8 +170,7 @@ def _check_hashes(check: Check, run: RunFile) -> list[str]:
     """Compare columns and attributes with their hashes; return the columns that cannot be read."""
     check.values += sum(run.rows(group) * len(names) for group, names in run.columns.items())
     damaged = run.damaged()
-    for place, found in damaged.items():
-        check.say(place, found=found, expected="as it was written")
+    check.compare(damaged, dict.fromkeys(damaged, "as it was written"))
     right = seal_of(run.attributes, run.summary, run.provenance)
     check.say(f"/provenance {HASH}", found=run.seal or "missing", expected=right)
     return [place for place, found in damaged.items() if found == UNREADABLE]
@@ -186,17 +189,22 @@ def _check_description(structure: Check, attributes: Check, scenario: Scenario, 
     )
     right = describe(scenario, run.path, (), str(run.provenance.get(INTERVENTION, "")), extent)
     right = right if scenario.title else replace(right, title=str(run.attributes["title"]))
-    found, expected = run.inventory(), expected_inventory(right)
-    for path, name in dict.fromkeys([*expected, *found]):
-        there, here = (each.get((path, name), "missing") for each in (found, expected))
-        if not name:
-            structure.say(path, found=there, expected=here)
-        elif (path, "") in found and (path, "") in expected:
-            free = name in ORIGIN and "missing" not in (there, here)
-            if not free and (path, here) != ("/summary", "missing"):  # where a figure is one of rows
-                one, other = (each.rpartition(", ")[0] or each for each in (there, here))
-                one, other = (there, here) if one == other else (one, other)  # types show where they alone differ
-                attributes.say(f"{path} {name}", found=one, expected=other)
+    both = found, expected = run.inventory(), expected_inventory(right)
+    structure.compare(*({path: words for (path, name), words in each.items() if not name} for each in both))
+    free = {key for key in found.keys() & expected.keys() if key[1] in ORIGIN}
+    free |= {key for key in found.keys() - expected.keys() if key[0] == "/summary"}  # a figure is one of rows
+    fixed = ({key: words for key, words in each.items() if key not in free} for each in both)
+    there = {path for path, _ in found} & {path for path, _ in expected}
+    one, other = (_attributes(each, there) for each in fixed)
+    for name in one.keys() & other.keys():
+        values = [each[name].rpartition(", ")[0] for each in (one, other)]
+        if values[0] != values[1]:  # types show where they alone differ
+            one[name], other[name] = values
+    attributes.compare(one, other)
+
+
+def _attributes(inventory: Inventory, paths: set[str]) -> dict[str, str]:
+    return {f"{path} {name}": words for (path, name), words in inventory.items() if name and path in paths}
 
 
 class _BeyondFile(Exception):  # noqa: N818  (the file is wrong, not the program)
@@ -228,10 +236,9 @@ class _Compared:
 
 
 def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verification:
-    """Return the verification with a check of each group, and of the summary if rows are right.
+    """Return the verification of a run that is played again, up to the first row that its file does not have.
 
-    The run is played again, up to the first row that its file does not have. If an intervention ended lives, births
-    come from the seed and these ends from the file.
+    If an intervention ended lives, births come from the seed and these ends from the file.
     """
     model = scenario.model()
     compared, seen = _Compared(run), Measured(model)
@@ -248,10 +255,10 @@ def _played(checks: list[Check], scenario: Scenario, run: RunFile) -> Verificati
         compared.count("slider" if model.slider else "trace", str(problem).partition("\n")[0])
     checks, remark = [*checks, *compared.checks.values()], ""
     if all(check.holds for check in compared.checks.values()):
-        return verification([*checks, _summary_check(seen, run.summary)])
+        return _verification([*checks, _summary_check(seen, run.summary)])
     if (there := str(run.provenance["environment"])) != (here := json.dumps(environment())):
         remark = f"the run was made on {there} and played again on {here}"
-    return verification(checks, [left_out("summary", "rows of the columns that it sums up differ")], remark)
+    return _verification(checks, left_out("summary", "rows of the columns that it sums up differ"), remark=remark)
 
 
 def ended_of(rows: Rows) -> Ended:
@@ -271,19 +278,16 @@ def ended_of(rows: Rows) -> Ended:
     return ended
 
 
-def _summary_check(seen: Measured, stored: Mapping[str, object]) -> Check:
+def _summary_check(seen: Measured, kept: Mapping[str, object]) -> Check:
     """Compare the summary with every figure of the rows, and of the theory of the scenario."""
-    check, right, allowed = Check("summary"), dict[str, float](), dict[str, float]()
+    check, right = Check("summary"), dict[str, object]()
     for figure in summarise(seen):
         for name, value in attributes_of([figure]).items():
-            right[name] = value
-            allowed[name] = _allowed(figure, seen) if name == figure.name else EXACT * abs(value)
-    for name in dict.fromkeys([*right, *stored]):
-        found, expected = stored.get(name, "missing"), right.get(name, "no figure of this run")
-        if isinstance(found, float) and isinstance(expected, float):
-            near = abs(found - expected) <= allowed[name] or (isnan(found) and isnan(expected))
-            expected = found if near else expected
-        check.say(f"/summary {name}", found=found, expected=expected)
+            allowed = _allowed(figure, seen) if name == figure.name else EXACT * abs(value)
+            found = kept.get(name)
+            near = isinstance(found, float) and (abs(found - value) <= allowed or (isnan(found) and isnan(value)))
+            right[name] = found if near else value
+    check.compare(kept, right, where="/summary ")
     return check
 
 
@@ -297,6 +301,7 @@ def _allowed(figure: Row, measured: Measured) -> float:
     return MEASURED * (abs(figure.value) + (seen.std + 1e-3 * abs(seen.mean)) / kept.over(measured.model))
 
 
+# The folder of a sweep.
 def verify_sweep(
     folder: str | os.PathLike[str],
     *,
@@ -305,14 +310,13 @@ def verify_sweep(
 ) -> Verification:
     """Return the verification of the folder of a sweep and of each of its runs.
 
-    ``watch`` is called with the number of runs checked and of all runs; ``regenerate`` is that of `verify`. Raises
-    RunFileRefused for a folder that is not that of a sweep, or that cannot be read.
+    ``watch`` is called with the number of runs checked and of all. Raises RunFileRefused for what is no such folder.
     """
     root, figures, incomplete = Path(folder), dict[str, Figures](), Counter[tuple[str, str]]()
     index, names, runs = checks = Check("index"), Check("names"), Check("runs")
-    try:
+    with refusing(root):  # a folder in it may be closed to who asks, or be on a disk that fails
         if not root.is_dir() or not ((root / INDEX).exists() or (root / RUNS).is_dir()):
-            raise RunFileRefused(f"{root}: is not a sweep folder: it has neither {INDEX} nor {RUNS}")
+            raise RunFileRefused(f"is not a sweep folder: it has neither {INDEX} nor {RUNS}")
         files = _seen(root / RUNS)
         for number, path in enumerate(files):
             watch(number, len(files))
@@ -331,30 +335,25 @@ def verify_sweep(
             incomplete.update(found.left_out.items())
             for check in found.different:
                 runs.differ(f"{place} {check.first}")
-        return verification(checks, [*_left_out(root, incomplete), *_compare_index(index, root, figures)])
-    except OSError as problem:  # a folder in it may be closed to who asks, or be on a disk that fails
-        raise RunFileRefused(f"{problem.filename or root}: {(problem.strerror or str(problem)).lower()}") from problem
+        return _verification(checks, *_left_out(root, incomplete), *_compare_index(index, root, figures))
 
 
 def _verified(path: Path, *, regenerate: bool) -> tuple[Mapping[str, Any], Figures, Verification]:
-    """Return the scenario and the figures in the file of a run, and its verification.
-
-    A run that keeps its summary alone is made again, and every figure and curve is compared bit for bit.
-    """
+    """Return scenario and figures in the file of a run, and its verification; a summary alone is made again."""
     if path.suffix == SUFFIXES["runs"]:
         with open_run(path) as run:
             return scenario_in(run), numbers_in(run.summary), verify(run, regenerate=regenerate)
     (resolved, kept), check = read(path), Check("summary")
-    found, right = dict(kept or {}), dict[str, Any]()
+    found = dict(kept or {})
     if resolved:
-        right |= summarised(stored(resolved, f"{path}: the scenario in the file"), first="spectrum_place" in found)
-    for name in {**found, **right} if right else ():
-        one, other = (np.asarray(each.get(name, "missing")) for each in (found, right))
-        check.values += other.size
-        if one.dtype != other.dtype or one.shape != other.shape or one.tobytes() != other.tobytes():
-            here, there = (str(each.tolist())[:LONGEST] for each in (one, other))
-            check.differ(f"{name} is {here}, should be {there}")
-    return resolved, found, verification([check])
+        scenario = stored(resolved, f"{path}: the scenario in the file")
+        check.compare(_told(found), _told(summarised(scenario, first="spectrum_place" in found)))
+    return resolved, found, _verification([check])
+
+
+def _told(figures: Figures) -> dict[str, str]:
+    """Return figures and curves as texts, which are equal where their bits are."""
+    return {name: str(np.asarray(value).tolist()) for name, value in figures.items()}
 
 
 def _seen(folder: Path) -> list[Path]:
@@ -393,8 +392,8 @@ def _compare_index(check: Check, root: Path, kept: Mapping[str, Figures]) -> Ite
     for name, figures in figures_in(index, "runs" if files else "summary"):
         check.say(f"{INDEX} {RUNS}/{name}", found=DONE if name in kept else "missing", expected=DONE)
         right = kept.get(name, figures)
-        for figure in {**figures, **right}:
-            found, expected = (str(np.asarray(each.get(figure, nan)).tolist()) for each in (figures, right))
-            check.say(f"{INDEX} /runs/{figure} of {name}", found=found, expected=expected)
+        lacking = dict.fromkeys([*figures, *right], nan)  # as an index has what a run lacks
+        one, other = (_told({**lacking, **each}) for each in (figures, right))
+        check.compare(one, other, where=f"{INDEX} /runs of {name}: ")
     if others := len(kept.keys() - set(names)):
         yield left_out(f"{others:,} of {RUNS}", "the index lacks them")

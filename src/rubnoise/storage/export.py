@@ -17,9 +17,7 @@ from rubnoise.storage.schema import CONVENTIONS, Dataset, Group, Scalar
 
 Kind = Literal["csv", "parquet", "netcdf"]
 ENDINGS: Final[dict[Kind, str]] = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
-ROW_GROUP: Final = 262_144
-"""Rows of a row group of a Parquet file."""
-
+ROW_GROUP: Final = 262_144  # rows of a row group of a Parquet file
 TABLES: Final = ("junctions", "trace", "slider", "load", "landmarks")
 """The groups that are exported; the life curve is the same in every run of one pulse."""
 
@@ -94,10 +92,7 @@ def _write_parquet(part: PartFile, file: RunFile, group: Group, between: Callabl
 
 
 def plan(file: RunFile, kind: Kind, group: str | None, output: Path | None) -> dict[Path, Sequence[Group]]:
-    """Return the files that an export writes, each with its groups, to ``output`` or into the current folder.
-
-    Raises Refused for a group that the run does not have, and if ``output`` is given for several files.
-    """
+    """Return the files of an export, with its groups; raises Refused for no such group, or one file for several."""
     there = {each.name: each for each in stored_groups(file.features) if each.name in TABLES}
     if group is not None and group not in there:
         raise Refused(f"{file.path}: the run has no {group}; it has {', '.join(there)}")

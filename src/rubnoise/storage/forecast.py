@@ -4,12 +4,12 @@ import os
 import resource
 import shutil
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import ceil, floor
 from mmap import PAGESIZE
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Final, cast
 
 from rubnoise.errors import OutputRefused, Refused
@@ -22,11 +22,8 @@ from rubnoise.storage.output import part_of
 from rubnoise.theory.moments import expected_junction_rows, force_cumulants
 from rubnoise.theory.motion import response
 
-FAR: Final = 10.0
-"""Standard deviations beyond which nothing is taken to lie."""
-
-ROOT = Path("/")
-"""Where the files are in which Linux says what memory there is."""
+FAR: Final = 10.0  # standard deviations beyond which nothing is taken to lie
+ROOT = Path("/")  # where the files are in which Linux says what memory there is
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,12 +53,17 @@ class Budget:
         """About how many bytes this process would use beyond what it holds already."""
         return max(PROGRAM_BYTES - memory_in_use(), 0) + self.working_bytes
 
+    @property
+    def fewer_rows(self) -> str:
+        """Advice on the keys to change for a smaller result."""
+        model = self.scenario.model()
+        sparse = model.tick * model.birth_rate < 1.0
+        other = "output.tick longer" if sparse else "interface.mean_junction_count smaller"
+        return f"make sliding.distance shorter or {other}"
+
 
 def counted(scenario: Scenario) -> Budget:
-    """Return the budget of a run; its rows are counted exactly from its seed, which takes some 60 ns for each birth.
-
-    Raises ScenarioRefused for more rows than rubnoise can write, as `expected` does.
-    """
+    """Return the budget of a run, its rows counted from its seed in some 60 ns a birth; raises as `expected` does."""
     scenario.check_size()
     return _budget(scenario, extent(scenario.model(), scenario.run.seed))
 
@@ -121,11 +123,8 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
 
 
 def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
-    """Refuse a run that needs more disk space or memory than this machine has, and name the keys to change.
-
-    Raises OutputRefused if the disk of ``path`` has less free than the result takes, else as `check_memory` does.
-    """
-    room, needed, advice = free_disk_bytes(path), budget.disk_bytes, _fewer_rows(budget.scenario)
+    """Raise OutputRefused if a disk has not room for a result, else as `check_memory`; the keys to change are named."""
+    room, needed, advice = free_disk_bytes(path), budget.disk_bytes, budget.fewer_rows
     if needed > room:
         what = "the result" if needed == budget.result_bytes else "the result and the rows that wait beside it"
         if budget.result_bytes <= room and budget.scenario.output.compression == "gzip":
@@ -136,31 +135,24 @@ def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
 
 
 def check_memory(budget: Budget, *, kept_bytes: int = 0) -> None:
-    """Refuse a run that needs more memory than this machine has; ``kept_bytes`` of its result stay in memory, too.
-
-    Raises Refused, with the keys to change named.
-    """
-    room, more = free_memory_bytes(), budget.more_bytes + kept_bytes
+    """Raise Refused, with the keys to change, if memory lacks for a run and ``kept_bytes`` of its result."""
+    room, more, working = free_memory_bytes(), budget.more_bytes + kept_bytes, budget.working_bytes
     if room is None or more <= room:
         return
     remedy = "make interface.mean_junction_count smaller"
-    if budget.working_bytes <= kept_bytes:
-        remedy = _fewer_rows(budget.scenario)
-    elif more - room <= budget.working_bytes - working_bytes(budget.scenario.model(), "batch"):
+    if working <= kept_bytes:
+        remedy = budget.fewer_rows
+    elif more - room <= working - working_bytes(budget.scenario.model(), "batch"):
         remedy = 'run.engine = "batch" needs less'
-    raise Refused(f"the run needs about {_megabytes(more)} of memory more, and {_megabytes(room)} are left; {remedy}")
+    raise _no_memory("the run needs", more, room, remedy, " more")
 
 
 def check_sweep_space(runs: Sequence[Scenario], folder: Path, *, jobs: int, keep: str) -> None:
-    """Refuse the runs of a sweep that are still to be made if this machine has not the disk space or memory.
-
-    The folder need not be there yet. Names the keys to change; raises OutputRefused and Refused.
-    """
+    """Refuse runs of a sweep that are to be made if disk or memory lack; the folder need not be there yet."""
     alike = Counter(scenario.model() for scenario in runs)
-    budgets = {scenario.model(): scenario for scenario in runs}
-    several = [(expected(scenario), alike[model]) for model, scenario in budgets.items()]
-    size = sum(count * each.result_bytes for each, count in several)
-    size += max(each.disk_bytes - each.result_bytes for each, _ in several)
+    budgets = {model: expected(scenario) for model, scenario in {each.model(): each for each in runs}.items()}
+    size = sum(alike[model] * each.result_bytes for model, each in budgets.items())
+    size += max(each.disk_bytes - each.result_bytes for each in budgets.values())
     there = next(place for place in (folder, *folder.absolute().parents) if place.is_dir())
     if keep == "runs" and size > (room := free_disk_bytes(there / "run.h5")):
         raise OutputRefused(
@@ -168,24 +160,16 @@ def check_sweep_space(runs: Sequence[Scenario], folder: Path, *, jobs: int, keep
             ' sweep.keep = "summary" keeps kilobytes of each run, or make sliding.distance shorter or sweep.replicates'
             " fewer"
         )
-    each, jobs = PROGRAM_BYTES + max(budget.working_bytes for budget, _ in several), min(jobs, len(runs))
-    memory = free_memory_bytes()
+    each = PROGRAM_BYTES + max(budget.working_bytes for budget in budgets.values())
+    memory, jobs = free_memory_bytes(), min(jobs, len(runs))
     if memory is not None and jobs * each > memory:
-        remedy = f"jobs={memory // each} fits" if memory >= each else "make interface.mean_junction_count smaller"
-        raise Refused(
-            f"{jobs} runs at once need about {_megabytes(jobs * each)} of memory, and {_megabytes(memory)} are left;"
-            f" {remedy}"
-        )
+        fits = f"jobs={memory // each} fits" if memory >= each else "make interface.mean_junction_count smaller"
+        raise _no_memory(f"{jobs} runs at once need", jobs * each, memory, fits)
 
 
-def _fewer_rows(scenario: Scenario) -> str:
-    model = scenario.model()
-    other = "output.tick longer" if model.tick * model.birth_rate < 1.0 else "interface.mean_junction_count smaller"
-    return f"make sliding.distance shorter or {other}"
-
-
-def _megabytes(count: int) -> str:
-    return f"{count / 1e6:,.0f} MB"
+def _no_memory(who: str, needed: int, room: int, remedy: str, more: str = "") -> Refused:
+    told, left = (f"{count / 1e6:,.0f} MB" for count in (needed, room))
+    return Refused(f"{who} about {told} of memory{more}, and {left} are left; {remedy}")
 
 
 BLOCK_BYTES: Final = 512
@@ -204,43 +188,30 @@ def free_disk_bytes(path: str | os.PathLike[str]) -> int:
     return room if most == resource.RLIM_INFINITY else min(room, most)
 
 
-def memory_in_use() -> int:
-    """Return the bytes of memory that this process holds, or 0 if the system does not say."""
-    return _pages()[1] * PAGESIZE
+def memory_in_use(which: int = 1) -> int:
+    """Return the bytes of memory that this process holds, or of its address space (0); 0 if the system does not say."""
+    return int(_said("proc/self/statm", "0 0").split()[which]) * PAGESIZE
 
 
 def free_memory_bytes() -> int | None:
-    """Return how many more bytes of memory this process may use, or None if that is unknown.
-
-    The least of what the machine has available, and what the limits of containers and of `ulimit -v` leave beside
-    what this process holds.
-    """
-    address_space, held = (pages * PAGESIZE for pages in _pages())
-    left = [limit - held for limit in _group_limits()]
-    if (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
-        left.append(limit - address_space)
-    if available := _text("proc/meminfo").partition("MemAvailable:")[2]:
+    """Return what machine, container and `ulimit -v` leave this process of memory in bytes; None if unknown."""
+    left = []
+    # Inside a container the name of its control group may belong to the host's tree: what is missing says nothing.
+    inner = Path(_said("proc/self/cgroup").partition("0::/")[2].strip())
+    for group in (inner, *inner.parents):
+        limit = _said(f"sys/fs/cgroup/{group}/memory.max").strip()
+        left += [int(limit) - memory_in_use()] if limit.isdecimal() else []
+    if (address_space := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
+        left.append(address_space - memory_in_use(0))
+    if available := _said("proc/meminfo").partition("MemAvailable:")[2]:
         left.append(int(available.split(maxsplit=1)[0]) * 1024)
     elif "SC_PHYS_PAGES" in os.sysconf_names:
         left.append(os.sysconf("SC_PHYS_PAGES") * PAGESIZE)
     return max(min(left), 0) if left else None
 
 
-def _group_limits() -> Iterator[int]:
-    """Yield the memory limits of the control groups around this process, which containers and batch queues set."""
-    # Inside a container the name may belong to the host's tree: folders that are missing say nothing.
-    inner = PurePosixPath(_text("proc/self/cgroup").partition("0::/")[2].strip())
-    texts = (_text(PurePosixPath("sys/fs/cgroup", each, "memory.max")).strip() for each in (inner, *inner.parents))
-    yield from (int(text) for text in texts if text.isdecimal())
-
-
-def _pages() -> tuple[int, int]:
-    """Return how many pages the address space of this process has, and how many of them are in memory."""
-    pages = _text("proc/self/statm").split()
-    return (int(pages[0]), int(pages[1])) if pages else (0, 0)
-
-
-def _text(name: str | PurePosixPath) -> str:
+def _said(name: str, without: str = "") -> str:
+    """Return the text of a file of the system, or what stands for one that is missing."""
     with suppress(OSError):
         return (ROOT / name).read_text(encoding="utf-8", errors="replace")
-    return ""
+    return without

@@ -19,7 +19,7 @@ from rubnoise.storage.measured import Head, Source
 from rubnoise.storage.objects import linked, opened_by_hdf5
 from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.text_table import read_table
-from rubnoise.unit_spelling import spelled
+from rubnoise.units import spelled
 
 MOST_UNPACKED: Final = 10_000_000  # values of a vector of MATLAB: a file says how many before they are unpacked
 MOST_VALUES: Final = 100_000_000

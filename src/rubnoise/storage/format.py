@@ -20,15 +20,14 @@ from numpy.typing import NDArray
 
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.layout import Name, RunDescription, root_attributes, row_count, stored_groups
-from rubnoise.storage.schema import CHUNK_ROWS, HASH, HASH_DIGITS, Group, Scalar
+from rubnoise.storage.schema import CHUNK_ROWS, HASH, Group, Scalar
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer, WriteableBuffer
 
 LIBRARY_VERSIONS: Final = ("v110", "v110")
 GZIP_LEVEL: Final = 4
-ATTRIBUTES_IN_HEADER: Final = 1 << 15
-"""More than any group has."""
+NO_HASH: Final = "0" * 32  # what stands in place of a hash until the rows are there
 
 
 class Unfailing(io.RawIOBase):
@@ -38,10 +37,6 @@ class Unfailing(io.RawIOBase):
         self._descriptor = descriptor
         self._position, self._size = 0, os.fstat(descriptor).st_size
         self._failure: OSError | None = None
-
-    def tell(self) -> int:
-        """Return the position."""
-        return self._position
 
     def seek(self, offset: int, whence: int = os.SEEK_SET, /) -> int:
         """Move to a position, and return it."""
@@ -101,18 +96,15 @@ def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
 
     Groups that grow, and all groups of a compressed file, are left out: they need their rows (see `add_group`).
     """
-    for name, value in ({**root_attributes(about), "NX_class": "NXroot", "default": "trace"}).items():
-        put_attribute(file.id, name, value)
+    put_attributes(file.id, {**root_attributes(about), "NX_class": "NXroot", "default": "trace"})
     places: dict[Name, int] = {}
     for group in stored_groups(about.features):
         rows = row_count(group, about.extent)
         if about.compression == "none" and rows is not None:
             places |= add_group(file, group, rows, "none")
-    put_attribute(_create_group(file, "summary", notes=True), "NX_class", "NXcollection")
-    provenance = _create_group(file, "provenance", notes=True)
-    begun = {**about.provenance, "finished": "", HASH: "0" * HASH_DIGITS}
-    for name, value in ({"NX_class": "NXcollection"} | begun).items():
-        put_attribute(provenance, name, value)
+    begun = {**about.provenance, "finished": "", HASH: NO_HASH}
+    for name, known in {"summary": {}, "provenance": begun}.items():
+        put_attributes(_create_group(file, name, notes=True), {"NX_class": "NXcollection", **known})
     return places
 
 
@@ -121,29 +113,22 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
     owner = _create_group(file, group.name)
     space = h5py.h5s.create_simple((rows,))
     creation = _storage(min(rows, CHUNK_ROWS) if compression == "gzip" else 0)
-    columns = [
-        (column, h5py.h5d.create(owner, column.name.encode(), _number_kind(column.dtype), space, creation))
+    columns = {
+        column: h5py.h5d.create(owner, column.name.encode(), _number_kind(column.dtype), space, creation)
         for column in group.columns
-    ]
-    (first, scale), *rest = columns
+    }
+    (first, scale), *rest = columns.items()
     h5py.h5ds.set_scale(scale, first.name.encode())
     for _, dataset in rest:
         h5py.h5ds.attach_scale(dataset, scale, 0)
     # NeXus tells viewers what to plot, one column: they draw further ones on the axis of the first, where a force of
     # 5e4 uN hides an area of 200 um^2.
-    about: dict[str, str | tuple[str, ...]] = {
-        "long_name": group.long_name,
-        "NX_class": "NXdata",
-        "signal": group.plotted,
-        "axes": (first.name,),
-    }
-    for name, value in about.items():
-        put_attribute(owner, name, value)
-    for column, dataset in columns:
-        said = {**column.attributes, HASH: "0" * HASH_DIGITS}
-        for name, value in sorted(said.items(), key=lambda about: about[0].startswith("flag")):  # codes come last
-            put_attribute(dataset, name, value)
-    return {(group.name, column.name): dataset.get_offset() or 0 for column, dataset in columns}
+    plot = {"NX_class": "NXdata", "signal": group.plotted, "axes": (first.name,)}
+    put_attributes(owner, {"long_name": group.long_name, **plot})
+    for column, dataset in columns.items():
+        said = {**column.attributes, HASH: NO_HASH}
+        put_attributes(dataset, {name: said[name] for name in sorted(said, key=lambda name: name.startswith("flag"))})
+    return {(group.name, column.name): dataset.get_offset() or 0 for column, dataset in columns.items()}
 
 
 def complete(
@@ -153,14 +138,13 @@ def complete(
     owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
     for (group, column), digest in digests.items():
         h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
-    figures, provenance = h5py.h5g.open(file.id, b"summary"), h5py.h5g.open(file.id, b"provenance")
-    for name, value in summary.items():
-        put_attribute(figures, name, value)
+    put_attributes(h5py.h5g.open(file.id, b"summary"), summary)
     origin = {**about.provenance, "finished": finished}
-    seal = seal_of(*map(_as_stored, (root_attributes(about), summary, origin)))
-    for name, value in (("finished", finished), (HASH, seal)):
+    known = {"finished": finished, HASH: seal_of(*map(_as_stored, (root_attributes(about), summary, origin)))}
+    provenance = h5py.h5g.open(file.id, b"provenance")
+    for name in known:
         h5py.h5a.delete(provenance, name.encode())
-        put_attribute(provenance, name, value)
+    put_attributes(provenance, known)
 
 
 def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenance: Mapping[str, Scalar]) -> str:
@@ -170,6 +154,14 @@ def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenanc
     """
     text = json.dumps([root, summary, provenance], sort_keys=True, separators=(",", ":"))
     return xxhash.xxh3_128_hexdigest(text.encode())
+
+
+def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Return attributes as they are read back."""
+    return {
+        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
+        for name, value in values.items()
+    }
 
 
 def text_bytes(text: str) -> bytes:
@@ -187,7 +179,7 @@ def _create_group(file: h5py.File, name: str, *, notes: bool = False) -> h5py.h5
     creation.set_obj_track_times(False)
     if notes:
         creation.set_attr_creation_order(in_order)
-        creation.set_attr_phase_change(ATTRIBUTES_IN_HEADER, 0)
+        creation.set_attr_phase_change(1 << 15, 0)  # more than any group has
     else:
         creation.set_link_creation_order(in_order)
     return h5py.h5g.create(file.id, name.encode(), gcpl=creation)
@@ -208,17 +200,16 @@ def _storage(chunk_rows: int) -> h5py.h5p.PropDCID:
     return creation
 
 
-def put_attribute(
-    owner: h5py.h5g.GroupID | h5py.h5d.DatasetID, name: str, value: Scalar | tuple[str, ...] | NDArray[Any]
-) -> None:
-    """Write a new attribute by HDF5's own calls, since h5py's take longer than a short run."""
-    if isinstance(value, str | tuple):
-        stored, kind = _text(value)
-    else:
-        stored = value if isinstance(value, np.ndarray) else np.array(value, "<i8" if isinstance(value, int) else "<f8")
-        kind = _number_kind(stored.dtype.str)
-    space = h5py.h5s.create_simple(stored.shape) if stored.ndim else h5py.h5s.create(h5py.h5s.SCALAR)
-    h5py.h5a.create(owner, name.encode(), kind, space).write(stored, kind)
+def put_attributes(owner: h5py.h5g.GroupID | h5py.h5d.DatasetID, values: Mapping[str, Any]) -> None:
+    """Write new attributes, numbers, arrays or texts, by HDF5's own calls: h5py's take longer than a short run."""
+    for name, value in values.items():
+        if isinstance(value, str | tuple):
+            stored, kind = _text(value)
+        else:
+            stored = np.asarray(value)
+            kind = _number_kind(stored.dtype.str)
+        space = h5py.h5s.create_simple(stored.shape) if stored.ndim else h5py.h5s.create(h5py.h5s.SCALAR)
+        h5py.h5a.create(owner, name.encode(), kind, space).write(stored, kind)
 
 
 def _text(text: str | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
@@ -232,11 +223,3 @@ def _text(text: str | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
 @cache
 def _number_kind(dtype: str) -> h5py.h5t.TypeID:
     return h5py.h5t.py_create(np.dtype(dtype), logical=True)
-
-
-def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    """Return attributes as they are read back."""
-    return {
-        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
-        for name, value in values.items()
-    }

@@ -19,10 +19,10 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.regular_file import open_stream
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
-from rubnoise.storage.format import LIBRARY_VERSIONS, put_attribute, text_bytes
+from rubnoise.storage.format import LIBRARY_VERSIONS, put_attributes, text_bytes
 from rubnoise.storage.objects import naming_damage, own_dataset, read_attribute, sound_group
 from rubnoise.storage.reader import SIGNATURE, refusing
-from rubnoise.storage.schema import CONVENTIONS, INDEX_FORMAT, Dataset, Scalar
+from rubnoise.storage.schema import CONVENTIONS, INDEX_FORMAT, Dataset
 
 FORMAT_VERSION: Final = 1
 GROUPS: Final = ("points", "runs", "summaries")
@@ -76,14 +76,10 @@ class Index:
 
 
 def index_bytes(index: Index) -> bytes:
-    """Return the file of an index.
-
-    HDF5 makes it in memory, since it ends the process instead of raising if a disk is full.
-    """
+    """Return the file of an index, made in memory: HDF5 ends the process instead of raising if a disk is full."""
     with h5py.File("index", "w", driver="core", backing_store=False, libver=LIBRARY_VERSIONS) as file:
-        about: dict[str, Scalar] = {"format_version": FORMAT_VERSION, "format": INDEX_FORMAT}
-        for name, value in (about | {"Conventions": CONVENTIONS, "NX_class": "NXroot"} | {**index.texts}).items():
-            put_attribute(file.id, name, value)
+        about = {"format_version": FORMAT_VERSION, "format": INDEX_FORMAT, "Conventions": CONVENTIONS}
+        put_attributes(file.id, {**about, "NX_class": "NXroot", **index.texts})
         scales: dict[int, h5py.Dataset] = {}
         for group, filled in zip(GROUPS, (index.points, index.runs), strict=False):
             owner = file.create_group(group, track_order=True)
@@ -111,18 +107,13 @@ def _put_column(owner: h5py.Group, column: Filled) -> h5py.Dataset:
         raw = [text_bytes(text) for text in values.tolist()]
         values = np.array(raw, dtype=f"S{max(2, *map(len, raw))}")
     dataset = owner.create_dataset(column.about.name, data=values)
-    for name, text in {"units": column.about.units, "long_name": column.about.long_name}.items():
-        if text:
-            put_attribute(dataset.id, name, text)
+    said = {"units": column.about.units, "long_name": column.about.long_name}
+    put_attributes(dataset.id, {name: text for name, text in said.items() if text})
     return dataset
 
 
 def read_index(path: str | os.PathLike[str]) -> Index:
-    """Read the index of a sweep, which may come from elsewhere.
-
-    Raises RunFileRefused, with the reason in one sentence, for a missing path, and for a file that is not an
-    index, is not as it was written, or has a later format.
-    """
+    """Read the index of a sweep, also from elsewhere; raises RunFileRefused with the reason in one sentence."""
     with refusing(path), open_stream(path) as stream:
         content = stream.read()
         if not content.startswith(SIGNATURE):
@@ -132,12 +123,9 @@ def read_index(path: str | os.PathLike[str]) -> Index:
             if sealed(content[:-16]) != content:
                 raise RunFileRefused(f"damaged: is not as it was written; {REMEDY}")
             points, runs, summaries = (_columns(file, name) for name in GROUPS)
-            return Index(
-                texts={name: read_attribute(file, name, str) for name in TEXTS},
-                points=points,
-                runs=runs,
-                summaries={name: column.values for name, column in summaries.items()},
-            )
+            curves = {name: column.values for name, column in summaries.items()}
+            texts = {name: read_attribute(file, name, str) for name in TEXTS}
+            return Index(texts=texts, points=points, runs=runs, summaries=curves)
 
 
 def _check_format(file: h5py.File) -> None:

@@ -19,11 +19,6 @@ from rubnoise.record.sink import Extent
 from rubnoise.storage.life_curve import CURVE_ROWS, JUNCTION_AREA_FORMULAS, TABLE_ROWS, TOUCH_AREA_FORMULA
 from rubnoise.storage.schema import CONVENTIONS, FORMAT, FORMAT_VERSION, GROUPS, Feature, Group, Scalar
 
-TIME = "%Y-%m-%dT%H:%M:%SZ"
-"""How moments are written: in UTC, as ISO 8601, to the second."""
-
-PACKAGES = ("rubnoise", "numpy", "scipy", "numba", "simpy", "h5py")
-
 
 def this_command() -> list[str]:
     """Return the command line of this process, without the path of the program."""
@@ -34,8 +29,9 @@ def software() -> dict[str, str]:
     """Return the versions that a result may depend on."""
     import h5py
 
-    packages = {name: package_version(name) for name in PACKAGES}
-    return {**packages, "hdf5": h5py.version.hdf5_version, "python": platform.python_version()}
+    packages = ("rubnoise", "numpy", "scipy", "numba", "simpy", "h5py")
+    others = {"hdf5": h5py.version.hdf5_version, "python": platform.python_version()}
+    return {**{name: package_version(name) for name in packages}, **others}
 
 
 def environment() -> dict[str, str | int]:
@@ -54,14 +50,13 @@ def package_version(name: str) -> str:
 
 def now() -> str:
     """Return the time in UTC as ISO 8601, to the second."""
-    return datetime.now(UTC).strftime(TIME)
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 STRUCTURE_BYTES = 20 * 1024
 """Room for everything in a file but columns and scenario: headers, attributes, scales, summary."""
 
-Name = tuple[str, str]
-"""What a column is found by: its group and its own name."""
+Name = tuple[str, str]  # what a column is found by: its group and its own name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,21 +100,15 @@ def features_of(model: Model) -> frozenset[Feature]:
     return frozenset(feature for feature, value in given.items() if value is not None and value is not False)
 
 
-@cache
+@cache  # since the runs of a sweep have the same
 def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
-    """Return the groups and columns of a run with these features, as its file describes them.
-
-    Kept, since the runs of a sweep have the same.
-    """
-    there = (
-        group.as_in(features)
-        for group in GROUPS
-        if (not group.needs or not features.isdisjoint(group.needs)) and features.isdisjoint(group.lacks)
-    )
-    return tuple(
-        replace(group, columns=tuple(each for each in group.columns if each.needs is None or each.needs in features))
-        for group in there
-    )
+    """Return the groups and columns of a run with these features, as its file describes them."""
+    found = []
+    for group in GROUPS:
+        if (not group.needs or not features.isdisjoint(group.needs)) and features.isdisjoint(group.lacks):
+            columns = tuple(column for column in group.columns if column.needs is None or column.needs in features)
+            found.append(replace(group, columns=columns).as_in(features))
+    return tuple(found)
 
 
 def row_count(group: Group, extent: Extent) -> int | None:

@@ -12,12 +12,10 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
-from rubnoise.unit_spelling import check_unit, is_unit, spelled
-from rubnoise.units import FORCE, LENGTH, TIME, USUAL_UNITS, Quantity, unit_or_one
+from rubnoise.real_numbers import check_unit
+from rubnoise.units import FORCE, LENGTH, TIME, USUAL_UNITS, Quantity, is_unit, spelled, unit_or_one
 
-LARGEST_VALUE: Final = 1e60
-"""Size of a value at most: fourth powers of values are numbers."""
-
+LARGEST_VALUE: Final = 1e60  # size of a value at most: fourth powers of values are numbers
 UNEVEN: Final = 0.01
 """How far one step between samples may be from the usual one, in parts of it, beyond the digits that are written."""
 
@@ -47,10 +45,7 @@ class Head:
         return float(unit_or_one(self.unit).size)
 
     def along(self, *, named: bool = False) -> str:
-        """Return "time" or "distance" for what places samples; empty for other columns.
-
-        A length places samples by its name, such as `Weg`, or if it is ``named`` by the caller.
-        """
+        """Return "time" or "distance" for what places samples: a length by its name, or if it is ``named``; else ""."""
         dimension = unit_or_one(self.unit).dimension
         last = re.split(r"[\s_]+", self.name.lower().strip(" ."))[-1].strip(".")
         travelled = dimension == LENGTH.dimension and (named or _TRAVELLED.fullmatch(last))
@@ -71,10 +66,7 @@ def head_of(cell: str) -> Head:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """What a caller says of a file: its columns, its rate in Hz, and the part from ``begin`` to ``end``.
-
-    These are samples, from 1 on, or times or distances from the first one.
-    """
+    """What a caller says of a file, with its part: samples from 1 on, or times or distances from the first one."""
 
     column: str | None = None
     place: str | None = None
@@ -139,10 +131,7 @@ class Source:
 
 
 def measured(source: Source, asked: Asked, *, every: bool = False) -> Source:
-    """Return a column of a source and its places, or ``every`` column, cut and checked; raises Refused with the line.
-
-    With a rate, times are left out: they are known.
-    """
+    """Return a column and its places, or ``every`` column, cut and checked; with a rate without times."""
     if asked.rate is not None:
         source = replace(source, step=1.0 / asked.rate, along="time")
     wanted = None if asked.column is None else column_of(source, asked.column, "column")
@@ -150,7 +139,7 @@ def measured(source: Source, asked: Asked, *, every: bool = False) -> Source:
     used = [wanted] if wanted is not None else _used(source, places, every=every)
     found, at = _part(source, asked, places), None
     if asked.rate is not None:
-        found = replace(found, notes=(*found.notes, *filter(None, [_outranked(found, n) for n in places[:1]])))
+        found = _outranked(found, places[0]) if places else found
         used = [n for n in used if n == wanted or source.heads[n].along() != "time"] or used[-1:]
     elif chosen or not source.step:
         times = [n for n in places if chosen or source.heads[n].along() == "time"]
@@ -229,14 +218,14 @@ def _part(source: Source, asked: Asked, places: Sequence[int]) -> Source:
     return replace(source, arrays=arrays, begin=first - 1, left_out=() if (first, last) == (1, rows) else (cut,))
 
 
-def _outranked(source: Source, number: int) -> str:
-    """Return a note if a column has other times than those of the given rate; an empty text if it has not."""
+def _outranked(source: Source, number: int) -> Source:
+    """Return a source with a note if a column has other times than those of the given rate."""
     head, times = source.heads[number], source.arrays[number]
     took = float(times[-1] - times[0]) * head.size
     if head.along() != "time" or not took > 0.0 or abs((times.size - 1) * source.step / took - 1.0) <= UNEVEN:
-        return ""
+        return source
     by = f"by {head.name} of {source.path} it is {(times.size - 1) / took:.6g} Hz"
-    return f"the rate is {1.0 / source.step:g} Hz as given; {by}"
+    return replace(source, notes=(*source.notes, f"the rate is {1.0 / source.step:g} Hz as given; {by}"))
 
 
 def _even_step(source: Source, number: int) -> float:
@@ -281,9 +270,8 @@ def _check_reach(source: Source, number: int) -> None:
     for run in np.split(far, np.flatnonzero(np.diff(far) > 1) + 1) if reach > 0.0 and far.size else ():
         if run.size <= 2 or np.ptp(values[run]) == 0.0:
             others = values[away <= reach]
-            usual = f"{others.min():.4g} to {others.max():.4g} {head.unit}"
-            said = f"{head.name} is {values[run[0]]:g}, far outside of the other values, {usual}"
-            source.refuse(int(run[0]), f"{said}; mend or remove that row")
+            usual = f"far outside of the other values, {others.min():.4g} to {others.max():.4g} {head.unit}"
+            source.refuse(int(run[0]), f"{head.name} is {values[run[0]]:g}, {usual}; mend or remove that row")
 
 
 def column_of(source: Source, wanted: str, keyword: str) -> int:

@@ -1,10 +1,8 @@
 """Objects of an HDF5 file from elsewhere: each is found by name, over hard links alone, and checked before it is read.
 
-So a file leads to no other file, and nothing in it is counted or read that no file of ours has so much of. At the end
-what a file holds beside its rows, in words by place, and what that of a correct run would hold.
+So a file leads to no other file, and nothing in it is counted or read that no file of ours has so much of.
 """
 
-import json
 import os
 import zlib
 from collections.abc import Iterator, Mapping
@@ -12,7 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
-from tempfile import TemporaryFile
 from types import UnionType
 from typing import Any, Final
 
@@ -21,28 +18,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.format import add_group, compose, hdf5_on
-from rubnoise.storage.layout import RunDescription, row_count, stored_groups
 from rubnoise.storage.schema import CHUNK_ROWS, HASH, Dataset, Scalar
 
 REMEDY: Final = "copy it again, or run its scenario again"
-
-ATTRIBUTE_BYTES = 1 << 22
+ATTRIBUTE_BYTES: Final = 1 << 22
 _WORDS: Final[Mapping[Any, str]] = {str: "a text", int: "a whole number"}
-MOST_ATTRIBUTES = 256
-MOST_LINKS = 256
-"""More of either is in no file of ours; some room is left for what others add to it."""
 
-DEFLATE_RATIO = 1032
-"""The most that deflate can expand: more rows than that were never in the file."""
+OWN: Final = (h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)  # layouts of our datasets
+MOST: Final = 256
+"""More objects in a group, or attributes of one, are in no file of ours; some room is left for what others add."""
+
+DEFLATE_RATIO: Final = 1032  # the most that deflate can expand: more rows than that were never in the file
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ColumnPlace:
-    """Where the rows of a column lie in their file, and their hash.
-
-    The offset is 0 without rows, and for compressed chunks.
-    """
+    """Where the rows of a column lie in their file, their hash; the offset is 0 without rows, and for chunks."""
 
     offset: int
     rows: int
@@ -78,6 +69,12 @@ def naming_damage() -> Iterator[None]:
         raise RunFileRefused(f"{reason}; {REMEDY}") from problem
 
 
+def check_count(place: str, count: int, what: str, most: int = MOST) -> None:
+    """Raise RunFileRefused for more objects or attributes than files of ours have."""
+    if count > most:
+        raise RunFileRefused(f"{place} holds {count} {what}")
+
+
 def linked(owner: h5py.HLObject, path: str, *, soft: int = 0) -> h5py.HLObject | None:
     """Return the object at a path, reached by hard links, and by so many soft ones, within the file; None else."""
     first, _, rest = path.strip("/").partition("/")
@@ -94,8 +91,7 @@ def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
     found = linked(owner, name)
     if not isinstance(found, h5py.Group):
         raise RunFileRefused(f"/{name} is missing")
-    if found.id.get_num_objs() > MOST_LINKS:
-        raise RunFileRefused(f"/{name} holds {found.id.get_num_objs()} objects")
+    check_count(f"/{name}", found.id.get_num_objs(), "objects")
     return found
 
 
@@ -106,41 +102,31 @@ def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.Pr
         raise RunFileRefused(f"{owner.name}/{name} is missing")
     # The layout before the shape: that of a virtual dataset may be found in other files only.
     creation = dataset.id.get_create_plist()
-    if creation.get_layout() not in {h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED} or creation.get_external_count():
+    if creation.get_layout() not in OWN or creation.get_external_count():
         raise RunFileRefused(f"{owner.name}/{name} is not stored as our files store it")
     return dataset, creation
 
 
 def sound_column(owner: h5py.Group, column: Dataset, file_size: int) -> ColumnPlace:
-    """Return the place of the rows of a column, if type, shape and storage of its dataset are those of the schema.
-
-    Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
-    shuffle and deflate, more rows than the file's bytes can hold.
-    """
+    """Return the place of the rows of a column; raises RunFileRefused if type, shape or storage are not ours."""
     path, (dataset, creation) = f"{owner.name}/{column.name}", own_dataset(owner, column.name)
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
-    offset = dataset.id.get_offset() or 0
+    offset, stored = dataset.id.get_offset() or 0, dataset.id.get_storage_size()
     if creation.get_layout() == h5py.h5d.CONTIGUOUS:
-        whole = not dataset.size or dataset.id.get_storage_size() == dataset.nbytes <= file_size - offset
-    else:
-        whole = _is_packed_whole(dataset, creation, file_size)
+        whole = not dataset.size or stored == dataset.nbytes <= file_size - offset
+    else:  # with the chunks and filters of ours, of which none is missing
+        filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
+        (rows,) = creation.get_chunk()
+        whole = (
+            rows == min(dataset.size, CHUNK_ROWS)
+            and filters == [h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE]
+            and dataset.nbytes / DEFLATE_RATIO <= stored <= file_size
+            and dataset.id.get_num_chunks() == ceil(dataset.size / rows)
+        )
     if not whole:
         raise RunFileRefused(f"{path} is not stored as our files store it")
     return ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype, digest=stored_hash(dataset))
-
-
-def _is_packed_whole(dataset: h5py.Dataset, creation: h5py.h5p.PropDCID, file_size: int) -> bool:
-    """Whether a chunked dataset has the chunks and filters of ours, and no chunk is missing."""
-    filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
-    (rows,), stored = creation.get_chunk(), dataset.id.get_storage_size()
-    return (
-        rows == min(dataset.size, CHUNK_ROWS)
-        and filters == [h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE]
-        and stored <= file_size
-        and dataset.nbytes <= DEFLATE_RATIO * stored
-        and bool(dataset.id.get_num_chunks() == ceil(dataset.size / rows))
-    )
 
 
 def rows_of_chunks(dataset: h5py.Dataset, first: int, last: int) -> NDArray[Any]:
@@ -184,113 +170,13 @@ def read_attribute(owner: h5py.HLObject, name: str, wanted: type | UnionType = S
         raise RunFileRefused(f"{place} is missing")
     attribute = h5py.h5a.open(owner.id, raw)
     kind = attribute.get_type()
-    plain = (
-        not kind.is_variable_str()
-        if isinstance(kind, h5py.h5t.TypeStringID)
-        else isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
-    )
+    text = isinstance(kind, h5py.h5t.TypeStringID) and not kind.is_variable_str()
+    plain = text or isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
     if attribute.shape != () or kind.get_size() > ATTRIBUTE_BYTES or not plain:
         raise RunFileRefused(f"{place} is not a plain number or text")
     value = np.empty((), dtype=kind.dtype)
     attribute.read(value)  # by HDF5's own call: h5py's takes longer than all the rest of opening a file
-    found = value.item().decode("utf-8", "replace") if value.dtype.kind == "S" else value.item()
+    found = value.item().decode("utf-8", "replace") if text else value.item()
     if not isinstance(found, wanted):
         raise RunFileRefused(f"{place} is not {_WORDS.get(wanted, 'a number')}")
     return found
-
-
-# Everything in a file.
-MOST_ENTRIES: Final = 20_000
-"""More groups, columns and attributes together are in no file of ours."""
-
-DEEPEST: Final = 4
-"""Groups that lie deeper below the root than this are in no file of ours."""
-
-Inventory = dict[tuple[str, str], str]
-"""What there is, by the path of an object and an empty text, or the name of its attribute."""
-
-OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
-"""Attributes that HDF5 writes itself, in types of its own choice: which scale a dataset has."""
-
-
-def expected_inventory(about: RunDescription) -> Inventory:
-    """Return what the file of a run must hold beside its rows, made in a file without rows or name."""
-    with TemporaryFile(buffering=0) as room, hdf5_on(room.fileno(), "w") as file:
-        compose(file, about)
-        for group in stored_groups(about.features):
-            if group.name not in file:
-                add_group(file, group, row_count(group, about.extent) or 0, about.compression)
-        return inventory_of(file)
-
-
-def inventory_of(file: h5py.File) -> Inventory:
-    """Return everything that a file holds; of objects that are neither groups nor datasets of the file, only the names.
-
-    Raises RunFileRefused for more than any of our files has.
-    """
-    found = Inventory()
-    for path, name, words in _of_object("", file["/"]):
-        found[path or "/", name] = words
-        if len(found) > MOST_ENTRIES:
-            raise RunFileRefused(f"holds more than {MOST_ENTRIES} groups, columns and attributes")
-    return found
-
-
-def _of_object(path: str, owner: h5py.HLObject | None) -> Iterator[tuple[str, str, str]]:
-    """Yield an object, its attributes, and what it holds; None is an object that no hard link leads to."""
-    if isinstance(owner, h5py.Dataset):
-        words, scales = _dataset(owner)
-        yield path, "", words
-        yield path, "scale", f"{json.dumps(scales)}, path"
-    else:
-        yield path, "", "group" if isinstance(owner, h5py.Group) else "link" if owner is None else "type"
-    if isinstance(owner, h5py.Dataset | h5py.Group):
-        yield from ((path, name, words) for name, words in _attributes(owner))
-    if isinstance(owner, h5py.Group) and path.count("/") < DEEPEST:
-        if owner.id.get_num_objs() > MOST_ENTRIES:
-            raise RunFileRefused(f"{path} holds {owner.id.get_num_objs()} objects")
-        for name in owner:
-            hard = isinstance(owner.get(name, getlink=True), h5py.HardLink)
-            yield from _of_object(f"{path}/{_readable(name)}", owner[name] if hard else None)
-
-
-def _dataset(dataset: h5py.Dataset) -> tuple[str, list[str]]:
-    """Return a dataset in words, and the datasets that it lies along."""
-    creation = dataset.id.get_create_plist()
-    layout, storage = creation.get_layout(), "elsewhere"
-    if layout == h5py.h5d.CONTIGUOUS and not creation.get_external_count():
-        storage = "in one piece"
-    elif layout == h5py.h5d.CHUNKED:
-        filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
-        storage = f"in chunks of {creation.get_chunk()[0]} through filters {filters}"
-    # HDF5 would look into other files for the shape of a virtual dataset.
-    shape = [] if layout == h5py.h5d.VIRTUAL else list(dataset.shape or ())
-    scales = [scale.name for scale in dataset.dims[0].values()] if storage != "elsewhere" and len(shape) == 1 else []
-    return f"dataset, {_type(dataset.dtype)}, {shape}, {storage}", scales
-
-
-def _attributes(owner: h5py.HLObject) -> Iterator[tuple[str, str]]:
-    """Yield names and values, None for a long one, with their types."""
-    if (count := h5py.h5a.get_num_attrs(owner.id)) > MOST_ATTRIBUTES:
-        raise RunFileRefused(f"{owner.name} has {count} attributes")
-    for name in owner.attrs:
-        attribute, value = owner.attrs.get_id(name), None
-        plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.dtype.kind in "Siuf"
-        if plain and attribute.shape is not None:
-            raw = np.asarray(owner.attrs[name])
-            value = (np.char.decode(raw, "utf-8", "backslashreplace") if raw.dtype.kind == "S" else raw).tolist()
-        kind = "any" if name in OF_HDF5 else _type(attribute.dtype)
-        yield _readable(name), f"{json.dumps(value)}, {kind}"
-
-
-def _type(kind: np.dtype[Any]) -> str:
-    """Return the type of values as text; the texts are equal if the types are."""
-    text = h5py.check_string_dtype(kind)
-    if text is None:
-        return kind.str
-    return f"{text.encoding} text of {'any length' if text.length is None else f'{text.length} bytes'}"
-
-
-def _readable(name: str) -> str:
-    """Return a name with bytes that are no text as escapes."""
-    return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")

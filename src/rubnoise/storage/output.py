@@ -19,12 +19,8 @@ from typing import Final
 from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.regular_file import lock
 
-PATIENCE_SECONDS: Final = 0.3
-"""Longer than a copy of a process that has ended keeps its lock."""
-
-PART: Final = ".part"
-"""The end of the name of a file that is not whole yet."""
-
+PATIENCE_SECONDS: Final = 0.3  # longer than a copy of a process that has ended keeps its lock
+PART: Final = ".part"  # the end of the name of a file that is not whole yet
 NO_ROOM: Final = frozenset((errno.ENOSPC, errno.EDQUOT))
 CANNOT_RESERVE: Final = frozenset((errno.EOPNOTSUPP, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL))
 
@@ -98,10 +94,7 @@ class PartFile:
     stays: bool = False
 
     def reserve(self, size: int, descriptor: int | None = None) -> None:
-        """Take the disk space of a whole file now, or of another open one that belongs to it.
-
-        Raises OutputRefused if there is not enough; a file system that cannot reserve gets a note.
-        """
+        """Take the disk space of the file, or of another one that belongs to it; raises OutputRefused without room."""
         if not size or not hasattr(os, "posix_fallocate"):  # which macOS lacks
             return
         try:
@@ -150,11 +143,7 @@ class PartFile:
 
 @contextmanager
 def part_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[PartFile]:
-    """Yield the new, empty part of a result; at the end it is removed, unless it has got its final name.
-
-    Raises OutputRefused as `check_output` does, and if the part cannot be made; OutputInUse if another process writes
-    it.
-    """
+    """Yield the new part of a result, removed at the end if it is not final; raises OutputRefused or OutputInUse."""
     final, name = check_output(path, force=force), part_of(path)
     try:
         descriptor = _locked(name)

@@ -21,14 +21,12 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import column_chunks
 from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
-from rubnoise.storage import objects, schema
+from rubnoise.storage import inventory, objects, schema
 from rubnoise.storage.layout import stored_groups
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
-READ_BYTES: Final = 64 * 1024**2
-"""Longer columns are mapped: the system then reads the rows that are used."""
-
+READ_BYTES: Final = 64 * 1024**2  # longer columns are mapped: the system then reads the rows that are used
 UNREADABLE: Final = "unreadable"
 CHANGED: Final = "not what its hash was taken of"
 
@@ -54,10 +52,7 @@ class RunFile:
     """
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, file: h5py.File) -> None:
-        """Take over a descriptor and what HDF5 has opened by it, and read the structure of the file.
-
-        Raises RunFileRefused, and any error of HDF5.
-        """
+        """Take over a descriptor and what HDF5 has opened by it; raises RunFileRefused, and any error of HDF5."""
         self.path, self.descriptor = Path(path), descriptor
         self.watch: Watch | None = None
         self._place, self._file = self.path.absolute(), file
@@ -71,12 +66,12 @@ class RunFile:
         self._columns: dict[str, dict[str, objects.ColumnPlace]] = {}
         size = os.fstat(descriptor).st_size
         for group in stored_groups(self.features):
-            owner, columns = objects.sound_group(file, group.name), dict[str, objects.ColumnPlace]()
+            owner = objects.sound_group(file, group.name)
+            columns = {each.name: objects.sound_column(owner, each, size) for each in group.columns}
             self._columns[group.name] = columns
-            for column in group.columns:
-                columns[column.name] = objects.sound_column(owner, column, size)
-                if columns[column.name].rows != self.rows(group.name):
-                    raise RunFileRefused(f"/{group.name}/{column.name} has another number of rows than its group")
+            for name, place in columns.items():
+                if place.rows != self.rows(group.name):
+                    raise RunFileRefused(f"/{group.name}/{name} has another number of rows than its group")
         self._close = finalize(self, os.close, descriptor)
 
     def __enter__(self) -> Self:
@@ -140,23 +135,23 @@ class RunFile:
 
     def damaged(self) -> dict[str, str]:
         """Return what is wrong with columns by their paths: UNREADABLE, or CHANGED; reads the whole file."""
+        places = ((group, name, place) for group, names in self._columns.items() for name, place in names.items())
         found = {}
-        for group, names in self._columns.items():
-            for name, place in names.items():
-                digest = xxhash.xxh3_128()
-                try:
-                    for values in column_chunks(self, group, name):
-                        digest.update(values.data)
-                except RunFileRefused:
-                    found[f"/{group}/{name}"] = UNREADABLE
-                else:
-                    found |= {} if digest.hexdigest() == place.digest else {f"/{group}/{name}": CHANGED}
+        for group, name, place in places:
+            digest = xxhash.xxh3_128()
+            try:
+                for values in column_chunks(self, group, name):
+                    digest.update(values.data)
+                if digest.hexdigest() != place.digest:
+                    found[f"/{group}/{name}"] = CHANGED
+            except RunFileRefused:
+                found[f"/{group}/{name}"] = UNREADABLE
         return found
 
-    def inventory(self) -> objects.Inventory:
+    def inventory(self) -> inventory.Inventory:
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
         with self._reading(), objects.naming_damage():
-            return objects.inventory_of(self._file)
+            return inventory.inventory_of(self._file)
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
@@ -212,9 +207,8 @@ def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
 
 def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     """Check the first bytes, which show most wrong files, before HDF5 is asked."""
-    found = bytearray(len(SIGNATURE))
     try:
-        read_into(descriptor, memoryview(found), 0)
+        found = os.pread(descriptor, len(SIGNATURE), 0)
     except BlockingIOError as problem:
         raise NotRegular(path) from problem
     if found == SIGNATURE:
@@ -222,9 +216,8 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     if os.fstat(descriptor).st_size == 0:
         raise RunFileRefused(f"is empty; {objects.REMEDY}")
     if os.fspath(path).endswith(".toml"):
-        raise RunFileRefused(
-            f"is a scenario, not a result; `rubnoise check {path}` says what follows from it, `rubnoise run` runs it"
-        )
+        follows = f"`rubnoise check {path}` says what follows from it, `rubnoise run` runs it"
+        raise RunFileRefused(f"is a scenario, not a result; {follows}")
     raise RunFileRefused("is not an HDF5 file; `rubnoise run` makes one")
 
 
@@ -234,17 +227,14 @@ def _check_version(file: h5py.File) -> None:
         raise RunFileRefused("is the index of a sweep, not the result of a run")
     if found != schema.FORMAT:
         raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
-    version = objects.read_attribute(file, "format_version", int)
+    version, ours = objects.read_attribute(file, "format_version", int), schema.FORMAT_VERSION
     if version > schema.FORMAT_VERSION:
         source = objects.read_attribute(file, "source", str)
-        raise TooNew(
-            f"has format version {version}, written by {source}; this one reads versions up to {schema.FORMAT_VERSION}."
-            f" {source} or later is needed"
-        )
-    if version < schema.FORMAT_VERSION:
+        written = f"has format version {version}, written by {source}"
+        raise TooNew(f"{written}; this one reads versions up to {ours}. {source} or later is needed")
+    if version < ours:
         raise RunFileRefused(
-            f"has format version {version}, and this rubnoise reads version {schema.FORMAT_VERSION}: run its scenario"
-            " again"
+            f"has format version {version}, and this rubnoise reads version {ours}: run its scenario again"
         )
 
 
@@ -261,8 +251,7 @@ def _features(file: h5py.File) -> frozenset[schema.Feature]:
 def read_summary(file: h5py.File) -> dict[str, schema.Scalar]:
     """Return the figures of /summary by name; raises RunFileRefused if one is not a plain value."""
     group = objects.sound_group(file, "summary")
-    if (count := h5py.h5a.get_num_attrs(group.id)) > objects.MOST_ATTRIBUTES:
-        raise RunFileRefused(f"/summary has {count} attributes")
+    objects.check_count("/summary", h5py.h5a.get_num_attrs(group.id), "attributes")
     return {name: objects.read_attribute(group, name) for name in group.attrs if name != "NX_class"}
 
 

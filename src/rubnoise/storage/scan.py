@@ -21,8 +21,7 @@ from rubnoise.errors import Refused, needing
 from rubnoise.regular_file import size_of
 from rubnoise.storage.measured import head_of
 from rubnoise.storage.text_table import ENCODINGS, begin_of
-from rubnoise.unit_spelling import is_unit, spelled
-from rubnoise.units import LENGTH, QuantityError, read_quantity
+from rubnoise.units import LENGTH, QuantityError, is_unit, read_quantity, spelled
 
 MOST_MISSING: Final = 0.1  # share of missing points that are filled
 MOST_BYTES: Final = 1 << 30  # of a file that is read
@@ -65,7 +64,12 @@ def _read(library: Any, path: Path, told: Told) -> Scan:
     others = [each for each in fitting if each.format() not in ("xyz", "asc")]
     text, history = text_of(path) if others != fitting or not fitting else (None, ())
     if text is None:
-        return _of_channel(_opened(library, path, others), path.name, told, history)
+        try:
+            return _of_channel(library.open_topography(str(path)), path.name, told, history)
+        except library.IO.CannotDetectFileFormat:
+            for reader in others:  # one that fits its ending says why
+                library.open_topography(str(path), format=reader.format())
+        raise Refused(f"{path}: no reader of SurfaceTopography knows its format")
     head, values, clean = table_of(text, path.name)
     if (found := points_of(head, values)) is None:
         return _of_channel(library.open_topography(StringIO(clean), "asc"), path.name, told, history)
@@ -73,16 +77,6 @@ def _read(library: Any, path: Path, told: Told) -> Scan:
     heights, steps = gridded(points, path.name)
     made = library.Topography(np.ma.masked_invalid(heights), np.multiply(heights.shape, steps))
     return from_topography(made, path.name, told, history, units)
-
-
-def _opened(library: Any, path: Path, fitting: list[Any]) -> Any:
-    """Return the reader of a file; where none knows it, one that fits its ending says why."""
-    try:
-        return library.open_topography(str(path))
-    except library.IO.CannotDetectFileFormat:
-        for reader in fitting:
-            library.open_topography(str(path), format=reader.format())
-    raise Refused(f"{path}: no reader of SurfaceTopography knows its format")
 
 
 def _of_channel(reader: Any, name: str, told: Told, history: tuple[str, ...]) -> Scan:

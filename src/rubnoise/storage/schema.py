@@ -1,6 +1,6 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
-from collections.abc import Collection, Container, Mapping, Sequence
+from collections.abc import Collection, Container, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from enum import IntEnum
 from types import UnionType
@@ -14,16 +14,13 @@ Feature = Literal["speed", "strength", "slider", "two-way", "offset", "load", "f
 """What a scenario may add to the bare contact: times, forces, a slider, that it pushes back, passes off the
 centre line, a load that weighs, that the slider may leave its contact, and a base that lifts it."""
 
-Scalar = float | int | str
-"""What an attribute holds."""
-
+Scalar = float | int | str  # what an attribute holds
 FORMAT: Final = "rubnoise-run"
 INDEX_FORMAT: Final = "rubnoise-sweep"
 FORMAT_VERSION: Final = 2
 CONVENTIONS: Final = "CF-1.11"
 CHUNK_ROWS: Final = 65_536  # in a chunk of a compressed column: a file with others is refused
 HASH: Final = "xxh3_128"
-HASH_DIGITS: Final = 32
 
 ROOT: Final[Mapping[str, type | UnionType]] = dict.fromkeys(
     ("Conventions", "format", "format_version", "title", "source", "junction_area_formula"), Scalar
@@ -33,18 +30,10 @@ ROOT: Final[Mapping[str, type | UnionType]] = dict.fromkeys(
 INTERVENTION: Final = "intervention"
 """What /provenance has only of a run whose lives were ended from outside: the name of the function."""
 
+_TEXTS: Final = "scenario_toml scenario_resolved software environment propagator_constants command started finished"
 PROVENANCE: Final[Mapping[str, type | UnionType]] = {
-    "scenario_toml": str,
-    "scenario_resolved": str,
-    "software": str,
-    "environment": str,
-    "propagator_constants": str,
-    "command": str,
-    "started": str,
-    "finished": str,
-    "seed": Scalar,
-    "stream_version": Scalar,
-    "calibrated_diameter": Scalar,
+    **dict.fromkeys(_TEXTS.split(), str),
+    **dict.fromkeys(("seed", "stream_version", "calibrated_diameter"), Scalar),
 }
 """The attributes of /provenance, and what each may hold: whether a number is right is for `verify` to say."""
 
@@ -70,12 +59,14 @@ NEEDED: Final[Sequence[tuple[Feature, Sequence[Feature]]]] = (
 """Features that are never alone, each with those of which it needs one."""
 
 
+Codes = tuple[tuple[int, str], ...]  # numbers, and what they mean
+
+
 @dataclass(frozen=True, slots=True)
 class Dataset:
     """One dataset of one dimension; ``needs`` names the feature without which it is absent.
 
-    ``flags`` are the meanings of bits, ``values`` those of whole numbers. ``instead``: with a feature, what it is in
-    words and what its values mean.
+    ``flags`` are the meanings of bits, ``values`` those of whole numbers.
     """
 
     name: str
@@ -84,20 +75,12 @@ class Dataset:
     long_name: str
     _: KW_ONLY
     dtype: str = "<f8"
-    needs: Feature | None = None
-    flags: tuple[tuple[int, str], ...] = ()
-    values: tuple[tuple[int, str], ...] = ()
-    instead: tuple[tuple[Feature, str, tuple[tuple[int, str], ...]], ...] = ()
-
-    def as_in(self, features: Collection[Feature]) -> "Dataset":
-        """Return the column as a file with these features describes it."""
-        for feature, long_name, values in self.instead:
-            if feature in features:
-                return replace(self, long_name=long_name, values=values, instead=())
-        return self
+    needs: str | None = None
+    flags: Codes = ()
+    values: Codes = ()
 
     @property
-    def coded(self) -> tuple[str, tuple[tuple[int, str], ...]]:
+    def coded(self) -> tuple[str, Codes]:
         """The attributes of the CF conventions that list its flags or values, and their meanings."""
         return ("flag_values", self.values) if self.values else ("flag_masks", self.flags)
 
@@ -116,210 +99,151 @@ class Dataset:
 class Group:
     """Columns of equal length; the first is their dimension scale, ``plotted`` the one that viewers draw against it.
 
-    ``needs``: features of which it needs one; with none it is always there.
-    ``lacks`` names features with which it is absent. ``instead``: with a feature, what it is in words, and what is
-    plotted.
+    ``needs``: features of which it needs one; with none it is always there. ``lacks``: those with which it is absent.
     """
 
     name: str
     long_name: str
     columns: tuple[Dataset, ...]
     plotted: str
-    needs: tuple[Feature, ...] = ()
-    lacks: tuple[Feature, ...] = ()
-    instead: tuple[tuple[Feature, str, str], ...] = ()
+    needs: tuple[str, ...] = ()
+    lacks: tuple[str, ...] = ()
 
-    def as_in(self, features: Collection[Feature]) -> "Group":
+    def as_in(self, features: Collection[str]) -> "Group":
         """Return the group with its columns as a file with these features describes them."""
-        said = next((words for feature, *words in self.instead if feature in features), (self.long_name, self.plotted))
-        columns = tuple(column.as_in(features) for column in self.columns)
-        return replace(self, long_name=said[0], plotted=said[1], columns=columns)
+        said = {path: about for (path, feature), about in INSTEAD.items() if feature in features}
+        columns = (replace(each, **said.get(f"{self.name}/{each.name}", {})) for each in self.columns)
+        return replace(self, columns=tuple(columns), **said.get(self.name, {}))
 
 
-def _values(numbers: type[IntEnum]) -> tuple[tuple[int, str], ...]:
+def _values(numbers: type[IntEnum]) -> Codes:
     return tuple((number.value, number.name.lower()) for number in numbers)
 
 
-_TOUCHES: Final = "every touch of a summit, from contact made to contact lost, cut where the run begins and ends"
+INSTEAD: Final[Mapping[tuple[str, Feature], Mapping[str, Any]]] = {
+    ("junctions", "free"): {
+        "long_name": "every touch of a summit, from contact made to contact lost, cut where the run begins and ends"
+    },
+    ("load", "free"): {"long_name": "the slider as it rises and falls under its load, free to leave its contact"},
+    ("load/separation", "free"): {"long_name": "separation of the surfaces less that at rest"},
+    ("landmarks", "free"): {
+        "long_name": "where the slider loses contact, and makes it again",
+        "plotted": "impact_speed",
+    },
+    ("landmarks/kind", "two-way"): {"values": _values(LandmarkKind)},
+}
+"""What is otherwise with a feature, of groups and columns by their paths."""
 
-JUNCTIONS: Final = Group(
-    name="junctions",
-    long_name="whole life of every junction, in order of birth",
-    plotted="diameter",
-    instead=(("free", _TOUCHES, "diameter"),),
-    columns=(
-        Dataset("junction", "1", "j", "row number of the junction", dtype="<i8"),
-        Dataset("encounter", "1", "i", "number of the summit touched", dtype="<i8", needs="free"),
-        Dataset("birth_distance", "um", "s_birth", "sliding distance at first touch"),
-        Dataset("death_distance", "um", "s_death", "sliding distance at separation"),
-        Dataset("life_distance", "um", "L_j", "sliding distance from birth to death"),
-        Dataset("diameter", "um", "d", "diameter of the two circles in contact"),
-        Dataset(
-            "lateral_offset",
-            "um",
-            "b",
-            "distance of one circle's centre from the line of the other's, across the motion",
-            needs="offset",
-        ),
-        Dataset("max_area", "um^2", "A_jmax", "area at full overlap"),
-        Dataset("max_overlap", "um", "delta_max", "largest overlap in height", needs="free"),
-        Dataset("shear_strength", "MPa", "psi", "shear strength of the junction", needs="strength"),
-        Dataset("birth_time", "s", "t_birth", "time of first touch", needs="speed"),
-        Dataset("death_time", "s", "t_death", "time of separation", needs="speed"),
-        Dataset(
-            "state",
-            "1",
-            "state",
-            "what cut the life short (0: nothing, the life is complete)",
-            dtype="|u1",
-            flags=((1, "alive_at_start"), (2, "alive_at_end"), (4, "ended_early")),
-        ),
-    ),
-)
+_CODES: Final[Mapping[str, Mapping[str, Codes]]] = {
+    "state": {"flags": ((1, "alive_at_start"), (2, "alive_at_end"), (4, "ended_early"))},
+    "phase": {"values": _values(Phase)},
+    "kind": {"values": _values(LandmarkKind) + _values(ContactKind)},
+}
+"""Flags or values of columns that have some, by name."""
 
-TRACE: Final = Group(
-    name="trace",
-    long_name="the contact at every tick of sliding distance",
-    plotted="real_contact_area",
-    columns=(
-        Dataset("distance", "um", "s", "sliding distance"),
-        Dataset("real_contact_area", "um^2", "A_r", "real contact area"),
-        Dataset("junction_count", "1", "N_j", "number of live junctions", dtype="<u4"),
-        Dataset("friction_force", "uN", "F_s", "friction force", needs="strength"),
-    ),
-)
+_TABLE: Final = """
+/junctions      diameter          -             whole life of every junction, in order of birth
+junction       1    j         <i8 -        row number of the junction
+encounter      1    i         <i8 free     number of the summit touched
+birth_distance um   s_birth   <f8 -        sliding distance at first touch
+death_distance um   s_death   <f8 -        sliding distance at separation
+life_distance  um   L_j       <f8 -        sliding distance from birth to death
+diameter       um   d         <f8 -        diameter of the two circles in contact
+lateral_offset um   b         <f8 offset   distance of one circle's centre from the line of the other's, across the \
+    motion
+max_area       um^2 A_jmax    <f8 -        area at full overlap
+max_overlap    um   delta_max <f8 free     largest overlap in height
+shear_strength MPa  psi       <f8 strength shear strength of the junction
+birth_time     s    t_birth   <f8 speed    time of first touch
+death_time     s    t_death   <f8 speed    time of separation
+state          1    state     |u1 -        what cut the life short (0: nothing, the life is complete)
 
-_PHASE: Final = Dataset(
-    "phase",
-    "1",
-    "phase",
-    "how the slider moves over the surface",
-    dtype="|u1",
-    needs="two-way",
-    values=_values(Phase),
-)
+/trace          real_contact_area -             the contact at every tick of sliding distance
+distance          um   s   <f8 -        sliding distance
+real_contact_area um^2 A_r <f8 -        real contact area
+junction_count    1    N_j <u4 -        number of live junctions
+friction_force    uN   F_s <f8 strength friction force
 
-SLIDER: Final = Group(
-    name="slider",
-    long_name="motion of the slider, uniform in time",
-    needs=("slider",),
-    plotted="displacement",
-    columns=(
-        Dataset("time", "s", "t", "time"),
-        Dataset("distance", "um", "s", "sliding distance"),
-        Dataset("friction_force", "uN", "F_s", "friction force on the slider", needs="strength"),
-        Dataset("base_displacement", "um", "y", "height of the base", needs="base"),
-        Dataset("displacement", "um", "x", "displacement of the slider"),
-        Dataset("velocity", "um/s", "x'", "velocity of the slider"),
-        _PHASE,
-    ),
-)
+/slider         displacement      slider        motion of the slider, uniform in time
+time              s    t     <f8 -        time
+distance          um   s     <f8 -        sliding distance
+friction_force    uN   F_s   <f8 strength friction force on the slider
+base_displacement um   y     <f8 base     height of the base
+displacement      um   x     <f8 -        displacement of the slider
+velocity          um/s x'    <f8 -        velocity of the slider
+phase             1    phase |u1 two-way  how the slider moves over the surface
 
-LOAD: Final = Group(
-    name="load",
-    long_name="the slider as it rises and falls under its load, to which both friction_force belong; /junctions,"
-    " real_contact_area and junction_count are those at the mean separation",
-    needs=("load",),
-    plotted="separation",
-    instead=(("free", "the slider as it rises and falls under its load, free to leave its contact", "separation"),),
-    columns=(
-        Dataset("time", "s", "t", "time"),
-        Dataset(
-            "separation",
-            "um",
-            "z",
-            "separation of the surfaces less its mean",
-            instead=(("free", "separation of the surfaces less that at rest", ()),),
-        ),
-        Dataset("velocity", "um/s", "z'", "normal velocity of the slider"),
-        Dataset("load", "uN", "P", "load that the junctions bear"),
-        Dataset(
-            "live_overlap", "um", "delta", "mean overlap of the live junctions in height; nan without live junctions"
-        ),
-    ),
-)
+/load           separation        load          the slider as it rises and falls under its load, to which both \
+    friction_force belong; /junctions, real_contact_area and junction_count are those at the mean separation
+time         s    t     <f8 - time
+separation   um   z     <f8 - separation of the surfaces less its mean
+velocity     um/s z'    <f8 - normal velocity of the slider
+load         uN   P     <f8 - load that the junctions bear
+live_overlap um   delta <f8 - mean overlap of the live junctions in height; nan without live junctions
 
-LANDMARKS: Final = Group(
-    name="landmarks",
-    long_name="where the slider sticks, breaks away and turns round",
-    needs=("two-way", "free"),
-    plotted="displacement",
-    instead=(("free", "where the slider loses contact, and makes it again", "impact_speed"),),
-    columns=(
-        Dataset("landmark", "1", "n", "row number of the landmark", dtype="<i8"),
-        Dataset("time", "s", "t", "time"),
-        Dataset("distance", "um", "s", "sliding distance"),
-        Dataset(
-            "kind",
-            "1",
-            "kind",
-            "what the slider begins",
-            dtype="|u1",
-            values=_values(LandmarkKind) + _values(ContactKind),
-            instead=(("two-way", "what the slider begins", _values(LandmarkKind)),),
-        ),
-        Dataset(
-            "impact_speed",
-            "um/s",
-            "v_imp",
-            "how fast the overlap grows where contact is made, and shrinks where it is lost",
-            needs="free",
-        ),
-        Dataset("displacement", "um", "x", "displacement of the slider", needs="slider"),
-        Dataset("velocity", "um/s", "x'", "velocity of the slider", needs="slider"),
-        Dataset("force_before", "uN", "F_-", "friction force on the slider just before", needs="two-way"),
-        Dataset("force_after", "uN", "F_+", "friction force on the slider just after", needs="two-way"),
-    ),
-)
+/landmarks      displacement      two-way,free  where the slider sticks, breaks away and turns round
+landmark     1    n     <i8 -       row number of the landmark
+time         s    t     <f8 -       time
+distance     um   s     <f8 -       sliding distance
+kind         1    kind  |u1 -       what the slider begins
+impact_speed um/s v_imp <f8 free    how fast the overlap grows where contact is made, and shrinks where it is lost
+displacement um   x     <f8 slider  displacement of the slider
+velocity     um/s x'    <f8 slider  velocity of the slider
+force_before uN   F_-   <f8 two-way friction force on the slider just before
+force_after  uN   F_+   <f8 two-way friction force on the slider just after
 
-BALANCE: Final = Group(
-    name="balance",
-    long_name="where a two-way run ends, and integrals over its whole motion",
-    needs=("two-way",),
-    plotted="displacement",
-    columns=(
-        Dataset("time", "s", "t", "time at the end of the run"),
-        Dataset("distance", "um", "s", "sliding distance at the end of the run"),
-        Dataset("displacement", "um", "x", "displacement of the slider at the end"),
-        Dataset("velocity", "um/s", "x'", "velocity of the slider at the end"),
-        Dataset("time_stuck", "s", "t_stick", "time that the slider has stuck"),
-        Dataset("displacement_integral", "um*s", "I_x", "integral of the displacement over time"),
-        Dataset("displacement_squared_integral", "um^2*s", "I_xx", "integral of the squared displacement over time"),
-        Dataset("velocity_squared_integral", "um^2/s", "I_vv", "integral of the squared velocity over time"),
-        Dataset(
-            "friction_work",
-            "uN*um",
-            "W",
-            "work of friction: integral of the force that the contact bears over the path",
-        ),
-        Dataset("reverse_work", "uN*um", "W_-", "the part of friction_work done in reversals"),
-    ),
-)
+/balance        displacement      two-way       where a two-way run ends, and integrals over its whole motion
+time                          s      t       <f8 - time at the end of the run
+distance                      um     s       <f8 - sliding distance at the end of the run
+displacement                  um     x       <f8 - displacement of the slider at the end
+velocity                      um/s   x'      <f8 - velocity of the slider at the end
+time_stuck                    s      t_stick <f8 - time that the slider has stuck
+displacement_integral         um*s   I_x     <f8 - integral of the displacement over time
+displacement_squared_integral um^2*s I_xx    <f8 - integral of the squared displacement over time
+velocity_squared_integral     um^2/s I_vv    <f8 - integral of the squared velocity over time
+friction_work                 uN*um  W       <f8 - work of friction: integral of the force that the contact bears \
+    over the path
+reverse_work                  uN*um  W_-     <f8 - the part of friction_work done in reversals
 
-LIFE_CURVE: Final = Group(
-    name="life_curve",
-    long_name="area of any junction: diameter^2 * interp(u), u = (s - birth_distance)/diameter",
-    lacks=("offset", "free"),
-    plotted="area_fraction",
-    columns=(
-        Dataset("u", "1", "u", "sliding distance since birth over diameter"),
-        Dataset("area_fraction", "1", "a", "area of the junction over diameter squared"),
-    ),
-)
+/life_curve     area_fraction     !offset,!free area of any junction: diameter^2 * interp(u), \
+    u = (s - birth_distance)/diameter
+u             1 u <f8 - sliding distance since birth over diameter
+area_fraction 1 a <f8 - area of the junction over diameter squared
 
-LIFE_TABLE: Final = Group(
-    name="life_table",
-    long_name="area of any junction: diameter^2 times what lies between the four rows around its u and offset_fraction",
-    needs=("offset",),
-    plotted="area_fraction",
-    columns=(
-        Dataset("u", "1", "u", "sliding distance since birth over half of the life, from 0 to 2"),
-        Dataset("offset_fraction", "1", "b/d", "size of the lateral offset over diameter, from 0 to 1 for each u"),
-        Dataset("area_fraction", "1", "a", "area of the junction over diameter squared"),
-    ),
-)
+/life_table     area_fraction     offset        area of any junction: diameter^2 times what lies between the four \
+    rows around its u and offset_fraction
+u               1 u   <f8 - sliding distance since birth over half of the life, from 0 to 2
+offset_fraction 1 b/d <f8 - size of the lateral offset over diameter, from 0 to 1 for each u
+area_fraction   1 a   <f8 - area of the junction over diameter squared
+"""
+"""Groups: name, plotted column, needed features or !lacking ones, meaning; and name, unit, symbol, type, needed feature
+and meaning of their columns."""
 
-GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LOAD, LANDMARKS, BALANCE, LIFE_CURVE, LIFE_TABLE)
+
+def _groups() -> Iterator[Group]:
+    """Yield the groups of the table with their columns."""
+    for block in _TABLE.strip().split("\n\n"):
+        head, *lines = block.splitlines()
+        name, plotted, needs, long_name = head.split(maxsplit=3)
+        features = [each for each in needs.split(",") if each != "-"]
+        yield Group(
+            name=name[1:],
+            long_name=" ".join(long_name.split()),
+            columns=tuple(map(_column, lines)),
+            plotted=plotted,
+            needs=tuple(each for each in features if each[0] != "!"),
+            lacks=tuple(each[1:] for each in features if each[0] == "!"),
+        )
+
+
+def _column(line: str) -> Dataset:
+    name, units, symbol, dtype, needs, long_name = line.split(maxsplit=5)
+    codes, feature = _CODES.get(name, {}), None if needs == "-" else needs
+    return Dataset(name, units, symbol, " ".join(long_name.split()), dtype=dtype, needs=feature, **codes)
+
+
+GROUPS: Final = tuple(_groups())
+JUNCTIONS, TRACE, SLIDER, LOAD, LANDMARKS, BALANCE, LIFE_CURVE, LIFE_TABLE = GROUPS
 
 
 def motion_of(junctions: Container[str]) -> tuple[Feature]:

@@ -21,15 +21,14 @@ import numpy as np
 from rubnoise.errors import Refused
 from rubnoise.regular_file import open_stream
 from rubnoise.storage.measured import Head, Source, head_of
-from rubnoise.unit_spelling import is_unit, spelled
+from rubnoise.units import is_unit, spelled
 
 ENCODINGS: Final = {"utf-8-sig": (), "utf-16": ("read as UTF-16",), "cp1252": ("read as Windows-1252",)}
 """What is said of a text by its encoding."""
 
 _LONGEST_LINE: Final = 1 << 17  # as the module csv has it of a cell
 
-Line = tuple[int, str]
-"""The number of a line, from 1 on, and its text."""
+Line = tuple[int, str]  # the number of a line, from 1 on, and its text
 
 
 def begin_of(path: Path, most: int | None = None) -> tuple[str, list[Line]]:
@@ -111,12 +110,16 @@ def moment(cell: str) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TextTable(Source):
-    """A table of text: its rows begin in line ``first``; ``kinds`` are those of the columns of numbers and of times."""
+    """A table of text: its rows begin in line ``first``; ``kinds`` are those of the columns of numbers and of times.
+
+    ``fit`` is how well its form fits: whether each column has a name, the share of numbers, the rows, the cells.
+    """
 
     encoding: str
     form: Form
     first: int
     kinds: Mapping[int, str]
+    fit: tuple[bool, float, int, int]
 
     def rows(self, begin: int = 0) -> Iterator[Line]:
         """Yield the lines that are rows, from one on: neither empty nor comments."""
@@ -133,9 +136,9 @@ class TextTable(Source):
         except ValueError:
             each = {number: moment if kind == "time" else self.form.number for number, kind in self.kinds.items()}
             values = read(self._texts(), converters=each)
-        columns = zip(self.kinds.items(), values.T, strict=True)
-        arrays = {n: np.unwrap(each, period=86400.0) if kind == "time" else each for (n, kind), each in columns}
-        return replace(self, arrays=arrays)
+        arrays = dict(zip(self.kinds, values.T, strict=True))
+        clocks = {n: np.unwrap(arrays[n], period=86400.0) for n, kind in self.kinds.items() if kind == "time"}
+        return replace(self, arrays=arrays | clocks)
 
     def _texts(self) -> Iterator[str]:
         """Yield the rows, those that have other cells without a number."""
@@ -184,16 +187,11 @@ def read_table(path: Path) -> TextTable:
             f"{path}: line {number}: {text.strip()[:_SHOWN]!r}: no row of numbers in {len(lines)} lines; a CSV in UTF-8"
             ' with a line of names such as "time (s),force (mN)" and a row for each sample is needed'
         )
-    return max(tables, key=lambda found: found[0])[1].read()
+    return max(tables, key=lambda found: found.fit).read()
 
 
-def _table(
-    path: Path, encoding: str, form: Form, lines: Sequence[Line]
-) -> tuple[tuple[bool, float, int, int], TextTable] | None:
-    """Return the table that the first lines of a text have in one form, None if none has a number in it.
-
-    Before it is how well the form fits: whether each column has a name, the share of numbers, the rows, the cells.
-    """
+def _table(path: Path, encoding: str, form: Form, lines: Sequence[Line]) -> TextTable | None:
+    """Return the table that the first lines of a text have in one form, None if none has a number in it."""
     rows = [form.cells(text) if text[0] not in MARKS else [] for _, text in lines]
     shapes = [tuple(map(form.kind, cells)) for cells in rows]
     usual = Counter(shape for shape in shapes if any(shape)).most_common(1)
@@ -214,7 +212,7 @@ def _table(
     alone = width == 1 and at >= 0 and any(mark in lines[at][1].strip() for mark in "\t;,")
     share = sum(map(bool, shape)) / sum(map(bool, rows[begin]))
     first = next(n for n, each in enumerate(shapes) if len(each) == width and any(each)) if at < 0 else at + 1
-    return (named and not alone, share, count, width), TextTable(
+    return TextTable(
         path=path,
         heads=heads,
         step=0.0 if shape[0] else step,
@@ -225,6 +223,7 @@ def _table(
         form=form,
         first=lines[first][0],
         kinds={number: kind for number, kind in enumerate(shape) if kind},
+        fit=(named and not alone, share, count, width),
     )
 
 

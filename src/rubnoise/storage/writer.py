@@ -23,7 +23,7 @@ from rubnoise.storage.format import add_group, complete, compose, hdf5_on
 from rubnoise.storage.layout import Name, RunDescription, now, row_count, stored_groups
 from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.output import PartFile, naming_file, part_file, reason_of
-from rubnoise.storage.schema import Group, Scalar
+from rubnoise.storage.schema import Scalar
 
 SLACK_BYTES: Final = 1 << 16
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
@@ -89,29 +89,21 @@ class RunWriter:
         column lacks rows, if the disk fails, or if, without ``force``, another process created the file meanwhile.
         """
         with naming_file(self._part.final):
-            for group in stored_groups(self.about.features):
-                self._check_rows(group)
+            whole = dict[str, int]()
+            for (group, name), column in self._columns.items():
+                right = whole.setdefault(group, column.rows if column.most is None else column.most)
+                if column.rows != right:
+                    raise RubnoiseError(f"{self._part.final}: /{group}/{name} has {column.rows} of its {right} rows")
             digests = {name: column.digest() for name, column in self._columns.items()}
             with hdf5_on(self._part.descriptor, "r+") as file:
-                for group in self._later:
-                    columns = {about.name: self._columns[group.name, about.name] for about in group.columns}
-                    add_group(file, group, columns[group.columns[0].name].rows, self.about.compression)
-                    for name, column in columns.items():
-                        for first, values in column.pieces():
-                            file[group.name][name][first : first + values.size] = values
+                for later in self._later:
+                    add_group(file, later, whole[later.name], self.about.compression)
+                    for about in later.columns:
+                        for first, values in self._columns[later.name, about.name].pieces():
+                            file[later.name][about.name][first : first + values.size] = values
                             between()
                 complete(file, self.about, digests, summary, now())
             self._part.finish()
-
-    def _check_rows(self, group: Group) -> None:
-        """Raise RubnoiseError unless all columns of a group have all of their rows."""
-        columns = [self._columns[group.name, column.name] for column in group.columns]
-        whole = columns[0].rows if columns[0].most is None else columns[0].most
-        for about, column in zip(group.columns, columns, strict=True):
-            if column.rows != whole:
-                raise RubnoiseError(
-                    f"{self._part.final}: /{group.name}/{about.name} has {column.rows} of its {whole} rows"
-                )
 
 
 @dataclass(slots=True)

@@ -12,12 +12,9 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 
 BITS: Final = 24
-STEPS: Final = 1 << (BITS - 1)
-"""Steps from silence to full scale."""
-
+STEPS: Final = 1 << (BITS - 1)  # steps from silence to full scale
 _BYTES: Final = BITS // 8
-MOST: Final = ((1 << 32) - (1 << 16)) // _BYTES
-"""Samples in a file of 4 GB, with room for texts."""
+MOST: Final = ((1 << 32) - (1 << 16)) // _BYTES  # samples in a file of 4 GB, with room for texts
 
 
 def check_length(samples: int) -> None:
