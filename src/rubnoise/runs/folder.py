@@ -56,7 +56,10 @@ def file_of(folder: Path, run_id: str, keep: Keep) -> Path:
 def made(
     point: Point, *, folder: Path, keep: Keep, command: Sequence[str], watch: Watch = lambda *_: None
 ) -> Figures | None:
-    """Make one run into its file, if it is not there, and return its figures; None if another process makes it."""
+    """Make one run into its file, if it is not there, and return its figures; None if another process makes it.
+
+    Raises OutputRefused if the result of another run is in its place.
+    """
     path = file_of(folder, point.run_id, keep)
     try:
         if (there := found(point, path)) is not None:
@@ -263,7 +266,7 @@ def _summaries(runs: Sequence[Figures], numbers: Sequence[int], points: int) -> 
 
 
 def known_runs(root: Path, sweep: Sweep) -> tuple[dict[str, Figures], dict[str, str], int]:
-    """Return what an index knows, if it is sound: runs whose files are older, failures, replicates of points."""
+    """Return what a sound index knows: runs whose files are older, failures, replicates of points; else nothing."""
     found: dict[str, Figures] = {}
     try:
         written = (root / INDEX).stat().st_mtime_ns

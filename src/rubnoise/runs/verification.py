@@ -83,7 +83,7 @@ class Check:
     def say(self, place: str, *, found: object, expected: object) -> None:
         """Compare one value; long texts are shown from a little before the place where they differ."""
         self.values += 1
-        if found != expected:
+        if found is not expected and found != expected:  # nan, which a figure may be, equals itself
             one, other = str(found), str(expected)
             begin = max(len(commonprefix([one, other])) - LONGEST // 2, 0)  # noqa: RUF071  (of any text)
             self.differ(f"{place} is {one[begin:][:LONGEST]}, should be {other[begin:][:LONGEST]}")

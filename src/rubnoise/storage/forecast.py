@@ -148,7 +148,7 @@ def check_memory(budget: Budget, *, kept_bytes: int = 0) -> None:
 
 
 def check_sweep_space(runs: Sequence[Scenario], folder: Path, *, jobs: int, keep: str) -> None:
-    """Refuse runs of a sweep that are to be made if disk or memory lack; the folder need not be there yet."""
+    """Raise OutputRefused or Refused if runs of a sweep lack disk or memory; the folder need not be there yet."""
     alike = Counter(scenario.model() for scenario in runs)
     budgets = {model: expected(scenario) for model, scenario in {each.model(): each for each in runs}.items()}
     size = sum(alike[model] * each.result_bytes for model, each in budgets.items())
