@@ -32,7 +32,7 @@ class Budget:
 
     result_bytes: of the result before compression, within some kilobytes; disk_bytes: what has to be free for it, with
     the rows that wait beside a part if it is compressed, or their number is not known; working_bytes: memory beside the
-    program's own, about; slider_rows_at_most: of /slider in a two-way run, None in others.
+    program's own, about, and with the engine batch; slider_rows_at_most: of /slider in a two-way run, None in others.
     """
 
     scenario: Scenario
@@ -41,6 +41,7 @@ class Budget:
     result_bytes: int
     disk_bytes: int
     working_bytes: int
+    batch_working_bytes: int
     slider_rows_at_most: int | None = None
 
     @property
@@ -92,6 +93,7 @@ def _budget(scenario: Scenario, rows: Extent) -> Budget:
         result_bytes=size,
         disk_bytes=size + beside,
         working_bytes=working_bytes(model, cast(Engine, scenario.run.engine)),
+        batch_working_bytes=working_bytes(model, "batch"),
         slider_rows_at_most=most.slider if model.is_two_way else None,
     )
 
@@ -142,7 +144,7 @@ def check_memory(budget: Budget, *, kept_bytes: int = 0) -> None:
     remedy = "make interface.mean_junction_count smaller"
     if working <= kept_bytes:
         remedy = budget.fewer_rows
-    elif more - room <= working - working_bytes(budget.scenario.model(), "batch"):
+    elif more - room <= working - budget.batch_working_bytes:
         remedy = 'run.engine = "batch" needs less'
     raise _no_memory("the run needs", more, room, remedy, " more")
 
