@@ -67,18 +67,16 @@ def test_rows_come_in_a_stable_order(file: RunFile, text: str | None, *, descend
     chosen = np.arange(ROWS) if where is None else np.flatnonzero(where.chosen(columns))
     expected = _expected(file, chosen, descending=descending).tolist()
     for head in (None, 0, 1, 10, 63, 64, 65, 999, 1000, 5000):
-        rows, total = select(file, where, sort="diameter", descending=descending, head=head)
+        rows, total = select(file, where and where.chosen, sort="diameter", descending=descending, head=head)
         assert total == chosen.size
         assert rows.tolist() == expected[:head], head
 
 
 @pytest.mark.parametrize("rows", [[], [3], [999, 0, 500, 500], list(range(1000)), list(range(999, -1, -3))])
 def test_columns_are_gathered_in_the_order_of_the_rows(file: RunFile, rows: list[int]) -> None:
-    panels = list(gather(file, np.array(rows, dtype=np.int64), ["state", "junction", "birth_distance"]))
-    assert all(panel["state"].size <= CHUNK for panel in panels)
-    for name in ("state", "junction", "birth_distance"):
-        told = np.concatenate([np.zeros(0), *(panel[name] for panel in panels)])
-        assert told.tolist() == file.column("junctions", name)[rows].tolist()
+    for name, told in gather(file, np.array(rows, dtype=np.int64), ["state", "junction", "birth_distance"]).items():
+        column = file.column("junctions", name)
+        assert (told.dtype, told.tolist()) == (column.dtype, column[rows].tolist())
 
 
 # Conditions on junctions: what they choose, and what is said where they cannot be read.

@@ -4,14 +4,14 @@ Rows are read in chunks, to limit memory, and checked when they are read.
 """
 
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.where import Condition
+from rubnoise.analysis.where import Choose
 from rubnoise.arrays import CHUNK_ROWS, Doubles, slices
 from rubnoise.contact.pulses import Pulse, area_of, half_life
 from rubnoise.errors import RunFileRefused
@@ -34,30 +34,27 @@ def first_row(file: Rows, group: str, name: str, value: float) -> int:
 
 def select(
     file: Rows,
-    where: Condition | None = None,
+    where: Choose | None = None,
     *,
     sort: str | None = None,
     descending: bool = False,
     head: int | None = None,
 ) -> tuple[RowNumbers, int]:
-    """Return the first ``head`` (all when None) row numbers that satisfy a condition, and the number of all that do.
+    """Return the first ``head`` (all when None) row numbers that are chosen, and the number of all that are.
 
     Rows of equal ``sort`` stay in order of birth, also when ``descending``; without ``sort`` all do. Only the columns
     of the condition and of the order are read. With ``head``, memory holds ``head`` rows and a chunk.
     """
     sign, total = -1.0 if descending else 1.0, 0
-    rows, keys = np.zeros(0, dtype=np.int64), np.zeros(0)
-    waiting: list[tuple[RowNumbers, Doubles]] = []
+    parts = [(np.zeros(0, dtype=np.int64), np.zeros(0))]
     for chunk in chunks(file, "junctions"):
-        found = np.arange(chunk.end - chunk.first) if where is None else np.flatnonzero(where.chosen(chunk))
+        found = np.arange(chunk.end - chunk.first) if where is None else np.flatnonzero(where(chunk))
         total += found.size
-        numbers = np.asarray(found + chunk.first, dtype=np.int64)
-        order = numbers if sort is None else chunk[sort][found]
-        waiting.append((numbers, sign * order.astype(np.float64)))
+        order = found + chunk.first if sort is None else chunk[sort][found]
+        parts.append((found + chunk.first, sign * order.astype(np.float64)))
         if head is not None:
-            rows, keys = _first(head, [(rows, keys), *waiting])
-            waiting = []
-    return _first(head, [(rows, keys), *waiting])[0], total
+            parts = [_first(head, parts)]
+    return _first(head, parts)[0], total
 
 
 def _first(head: int | None, parts: Sequence[tuple[RowNumbers, Doubles]]) -> tuple[RowNumbers, Doubles]:
@@ -67,18 +64,20 @@ def _first(head: int | None, parts: Sequence[tuple[RowNumbers, Doubles]]) -> tup
     return rows[order], keys[order]
 
 
-def gather(file: Rows, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
-    """Yield columns of the rows, in the given order, a chunk at a time; rows that lie near are read together."""
-    for part in slices(0, rows.size):
-        order = np.argsort(rows[part], kind="stable")
-        wanted = rows[part][order]
-        cuts = (np.diff(wanted) > NEAR) | (np.diff(wanted // CHUNK_ROWS) > 0)
-        spans = np.split(wanted, np.flatnonzero(cuts) + 1)
-        found = {}
-        for name in names:
-            read = [file.column("junctions", name, int(each[0]), int(each[-1]) + 1)[each - each[0]] for each in spans]
-            found[name] = np.concatenate(read)[np.argsort(order, kind="stable")]
-        yield found
+def gather(file: Rows, rows: RowNumbers, names: Iterable[str]) -> dict[str, NDArray[Any]]:
+    """Return columns of the rows, in the given order; rows that lie near are read together."""
+    order = np.argsort(rows, kind="stable")
+    wanted = rows[order]
+    cuts = (np.diff(wanted) > NEAR) | (np.diff(wanted // CHUNK_ROWS) > 0)
+    spans = [
+        (each, int(each[0]), int(each[-1]) + 1) for each in np.split(wanted, np.flatnonzero(cuts) + 1) if each.size
+    ]
+    found = {}
+    for name in names:
+        read = [file.column("junctions", name, start, stop)[each - start] for each, start, stop in spans]
+        found[name] = np.empty(rows.size, file.column("junctions", name, 0, 0).dtype)
+        found[name][order] = np.concatenate([*read, found[name][:0]])
+    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,16 +139,10 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     """
     if not touches:
         refuse_touches(file.columns["junctions"])
-    found = [np.zeros(0, dtype=np.int64)]
-    for chunk in chunks(file, "junctions"):
-        alive = (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start)
-        found.append(np.flatnonzero(alive) + chunk.first)
-    rows = np.concatenate(found)
+    rows, _ = select(file, lambda row: (row["birth_distance"] <= stop) & (row["death_distance"] >= start))
     rows = rows[rows != number]
-    names = ["birth_distance", "death_distance", "diameter"]
-    names += [name for name in ("shear_strength", "lateral_offset") if name in file.columns["junctions"]]
-    gathered = list(gather(file, rows, names))
-    columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in gathered)]) for name in names}
+    names = ("birth_distance", "death_distance", "diameter", "shear_strength", "lateral_offset")
+    columns = gather(file, rows, [name for name in names if name in file.columns["junctions"]])
     check_numbers("junctions", rows, columns)
     return Neighbours(
         rows=rows,

@@ -1,17 +1,16 @@
 """The numbers that follow from a scenario, as rows of an answer: sizes, exact means and spreads, motion and cost."""
 
-from collections.abc import Iterator
-from math import inf, isnan, nan
+from dataclasses import replace
+from math import inf, isnan
 from typing import Final
 
 from rubnoise.analysis.moments import needed_for_motion, one_way_warnings
-from rubnoise.answer import Answer, Row, length, rows
+from rubnoise.answer import Answer, Row, length
 from rubnoise.cli.vocabulary import NOTES, fields_of, named
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.ticks import cells_per_tick
 from rubnoise.storage.forecast import Budget
-from rubnoise.theory.coupling import LoadMotion
 from rubnoise.theory.exact import Exact, exact
 
 WORTH_A_NOTE, WORTH_A_SHARE = 0.01, 1e-4
@@ -27,84 +26,63 @@ ONE_WAY_ALONE = (
 
 def derived(scenario: Scenario, title: str, *, warned: bool) -> Answer:
     """Return what follows from a scenario; warnings about the file only if they were not printed: not ``warned``."""
-    model = scenario.model()
-    theory = exact(model)
+    theory = exact(scenario.model())
     warnings = [*([] if warned else scenario.warnings), *motion_warnings(theory)]
     return Answer(
         title=title,
-        rows=(*_contact(model, theory), *_slider(model, theory), *load_rows(theory)),
+        rows=(*_contact(theory), *_slider(theory), *load_rows(theory)),
         notes=(*(f"warning: {warning}" for warning in warnings), *_notes(scenario, theory)),
     )
 
 
-def motion_warnings(theory: Exact) -> list[str]:
-    """Return warnings about the exact motion of a slider, and under its load."""
-    validity = 0.0
-    if theory.slider is not None and not _is_on_a_base(theory.model):
-        validity = theory.slider.one_way_validity
-    return one_way_warnings(theory.model, validity) + _load_warnings(theory)
+def _contact(theory: Exact) -> list[Row]:
+    model, moments = theory.model, fields_of(theory, "count_mean count_std")
+    known = fields_of(model, "calibrated_diameter mean_life_distance mean_birth_spacing")
+    held = {f"junction_{name}": value for name, value in moments.items()}
+    held |= {"real_contact_area_mean": theory.area.mean, "real_contact_area_std": theory.area.std}
+    ratio = None
+    if theory.force is not None:
+        held |= {"friction_force_mean": theory.force.mean, "friction_force_std": theory.force.std}
+        more = 1.0 if theory.free is None else theory.free.fast_area_mean / theory.area.mean
+        ratio = more * theory.force.mean / model.load if model.load and not isnan(more) else None
+    births, rows = round(theory.expected_births), round(theory.expected_junction_rows)
+    last = {"friction_coefficient": ratio, "expected_births": births, "expected_junctions": rows}
+    notes = NOTES | {"calibrated_diameter": f"d_m, calibration {model.calibration}"}
+    if model.free is not None:
+        notes |= dict.fromkeys(held, "at constant separation")
+        notes |= {} if model.free.restitution == 1.0 else {"friction_coefficient": "at high speeds"}
+    return named("contact", known | held | last, notes)
+
+
+def _slider(theory: Exact) -> list[Row]:
+    model = theory.model
+    if model.slider is None or theory.slider is None:
+        return []
+    cells = None if model.is_two_way else cells_per_tick(model)
+    last = {"cells_per_tick": cells, "needed_distance": needed_for_motion(model)}
+    first = fields_of(model.slider, "natural_frequency damping_ratio")
+    return [*named("slider", first), *motion_rows(theory), *named("slider", last)]
+
+
+def motion_rows(theory: Exact) -> list[Row]:
+    """Return the motion of a slider and, unless a base drives it, the numbers that judge one-way coupling."""
+    motion = theory.slider
+    if motion is None:
+        return []
+    known = {"displacement_mean": motion.mean_displacement}
+    known |= fields_of(motion, "displacement_std velocity_std upcrossing_rate")
+    if _is_on_a_base(theory.model):  # it does not feel the motion, and sliding speed is no measure of it
+        return named("slider", known)
+    found = theory.coupling()
+    known |= {"one_way_validity": motion.one_way_validity, "coupling_strength": found.strength}
+    known |= fields_of(found, "stick_number expected_change")
+    why = f"not known: {found.unknown}"
+    told = named("slider", known)
+    return [replace(row, value=None, note=why) if isnan(row.value) else row for row in told]
 
 
 def _is_on_a_base(model: Model) -> bool:
-    """Whether a base lifts the slider: it does not feel the motion, and sliding speed is no measure of it."""
     return model.slider is not None and model.slider.excitation == "base"
-
-
-def _contact(model: Model, theory: Exact) -> Iterator[Row]:
-    held = "" if model.free is None else "at constant separation"
-    sizes = fields_of(model, "calibrated_diameter mean_life_distance mean_birth_spacing")
-    yield from named("contact", sizes, NOTES | {"calibrated_diameter": f"d_m, calibration {model.calibration}"})
-    yield from rows(
-        "contact",
-        ("junction_count_mean", theory.count_mean, "", held),
-        ("junction_count_std", theory.count_std, "", held),
-        ("real_contact_area_mean", theory.area.mean, "um^2", held),
-        ("real_contact_area_std", theory.area.std, "um^2", held),
-    )
-    if theory.force is not None:
-        more = 1.0 if theory.free is None else theory.free.fast_area_mean / theory.area.mean
-        known = model.load is not None and not isnan(more)
-        fast = "" if model.free is None or model.free.restitution == 1.0 else "at high speeds"
-        yield from rows(
-            "contact",
-            ("friction_force_mean", theory.force.mean, "uN", held),
-            ("friction_force_std", theory.force.std, "uN", held),
-            ("friction_coefficient", more * theory.force.mean / model.load if known and model.load else None, "", fast),
-        )
-    births, junctions = round(theory.expected_births), round(theory.expected_junction_rows)
-    yield from rows("contact", ("expected_births", births), ("expected_junctions", junctions))
-
-
-def _slider(model: Model, theory: Exact) -> Iterator[Row]:
-    if model.slider is None or theory.slider is None:
-        return
-    yield from named("slider", fields_of(model.slider, "natural_frequency damping_ratio"))
-    yield from motion_rows(theory)
-    cells = None if model.is_two_way else cells_per_tick(model)
-    yield from named("slider", {"cells_per_tick": cells, "needed_distance": needed_for_motion(model)})
-
-
-def motion_rows(theory: Exact) -> Iterator[Row]:
-    """Yield the motion of a slider and, unless a base drives it, the numbers that judge one-way coupling."""
-    motion = theory.slider
-    if theory.model.slider is None or motion is None:
-        return
-    known = {"displacement_mean": motion.mean_displacement}
-    yield from named("slider", known | fields_of(motion, "displacement_std velocity_std upcrossing_rate"))
-    if _is_on_a_base(theory.model):
-        return
-    found = theory.coupling()
-    judged = {
-        "one_way_validity": motion.one_way_validity,
-        "coupling_strength": found.strength,
-        "stick_number": found.stick_number,
-        "expected_change": nan if found.unknown else found.expected_change,
-    }
-    for name, value in judged.items():
-        if isnan(value):
-            yield Row(part="slider", name=name, note=f"not known: {found.unknown}")
-        else:
-            yield from named("slider", {name: value})
 
 
 def cost(budget: Budget) -> list[Row]:
@@ -121,26 +99,28 @@ def cost(budget: Budget) -> list[Row]:
 
 
 def _notes(scenario: Scenario, theory: Exact) -> list[str]:
-    model, law, notes = scenario.model(), scenario.diameter.law, []
+    model, notes = theory.model, []
     specified, wanted = model.mean_junction_count, model.mean_real_contact_area
-    more, larger = theory.count_mean / specified - 1.0, theory.area.mean / wanted - 1.0
-    if abs(more) > WORTH_A_NOTE:
-        changed = f"the mean diameter of the law {law} changes the mean count by {more:+.1%}"
+    if more := _difference(theory.count_mean, specified):
+        changed = f"the mean diameter of the law {scenario.diameter.law} changes the mean count by {more}"
         notes.append(f"{changed} from the specified {specified:g}")
-    if abs(larger) > WORTH_A_NOTE:
-        differs = f"the exact mean area differs by {larger:+.1%} from the specified {wanted:g} um^2"
+    if larger := _difference(theory.area.mean, wanted):
+        differs = f"the exact mean area differs by {larger} from the specified {wanted:g} um^2"
         notes.append(f"{differs}; calibration matched gives it")
     if scenario.strength is not None and model.strengths is not None:
-        given, strength_law = float(scenario.strength.mean), scenario.strength.law
-        off = model.strengths.mean / given - 1.0
-        if abs(off) > WORTH_A_NOTE:
-            notes.append(f"the law {strength_law} changes the mean strength by {off:+.1%} from {given:.7g} MPa")
-    if model.is_two_way:
-        notes.append(ONE_WAY_ALONE)
+        given, law = float(scenario.strength.mean), scenario.strength.law
+        if off := _difference(model.strengths.mean, given):
+            notes.append(f"the law {law} changes the mean strength by {off} from {given:.7g} MPa")
+    notes += [ONE_WAY_ALONE] if model.is_two_way else []
     notes += load_notes(theory)
-    if model.free is not None:
-        notes.append(FREE_ROWS)
+    notes += [] if model.free is None else [FREE_ROWS]
     return notes + too_short_for_motion(model)
+
+
+def _difference(value: float, wanted: float) -> str:
+    """Return how much a value is more than what was wanted; empty if that is not worth a note."""
+    more = value / wanted - 1.0
+    return f"{more:+.1%}" if abs(more) > WORTH_A_NOTE else ""
 
 
 def too_short_for_motion(model: Model) -> list[str]:
@@ -170,34 +150,35 @@ def load_rows(theory: Exact) -> list[Row]:
     motion, free = theory.load, theory.free
     if free is not None:
         known = {name: value for name, value in fields_of(free, _FREE_FIGURES).items() if not isnan(value)}
-        if free.first_order is not None:
-            known["first_order_separation_std"] = free.first_order.separation_std
-            known["first_order_velocity_std"] = free.first_order.velocity_std
+        if (first := free.first_order) is not None:
+            moved = fields_of(first, "separation_std velocity_std")
+            known |= {f"first_order_{name}": value for name, value in moved.items()}
         return named("load", {"regime": "free"} | known)
     if motion is not None:
         error = None if motion.error == inf else motion.error
-        known = {"relative_frequency": _relative_frequency(theory.model, motion), "error_bound": error}
+        known = {"relative_frequency": _relative_frequency(theory), "error_bound": error}
         return named("load", fields_of(motion, _LOAD_FIGURES) | known)
     if _is_on_a_base(theory.model):
         return named("load", {"regime": "lifted by a base"})
-    variation = theory.area.std / theory.area.mean
-    return named("load", {"regime": "separation held", "load_variation": variation})
+    return named("load", {"regime": "separation held", "load_variation": theory.area.std / theory.area.mean})
 
 
-def _relative_frequency(model: Model, motion: LoadMotion) -> float | None:
-    return None if model.slider is None else model.slider.natural_frequency / motion.contact_resonance
+def _relative_frequency(theory: Exact) -> float | None:
+    slider, motion = theory.model.slider, theory.load
+    return None if slider is None or motion is None else slider.natural_frequency / motion.contact_resonance
 
 
 def load_notes(theory: Exact) -> list[str]:
     """Return how exact the numbers of a load that weighs are."""
-    if theory.free is not None:
-        exact = "the numbers of free motion are exact, and so is that the level's exponents obey m = (1 + n)/2"
-        changed = "where nothing but height and speed changes"
-        return [f"{exact} {changed}; others are for constant separation, which free motion does not have"]
     motion, notes = theory.load, []
+    if theory.free is not None:
+        notes.append(
+            "the numbers of free motion are exact, and so is that the level's exponents obey m = (1 + n)/2 where"
+            " nothing but height and speed changes; others are for constant separation, which free motion does not have"
+        )
     if motion is None:
-        return []
-    if motion.regime == "constant gap" and (_relative_frequency(theory.model, motion) or inf) < FAR:
+        return notes
+    if motion.regime == "constant gap" and (_relative_frequency(theory) or inf) < FAR:
         notes.append(
             "the force is that of a constant gap, but not the slider's motion: momentum keeps the mean load at every"
             " speed, so a slider moves as in the paper only if omega_0, too, is far above omega_c"
@@ -208,14 +189,17 @@ def load_notes(theory: Exact) -> list[str]:
     return notes
 
 
-def _load_warnings(theory: Exact) -> list[str]:
-    """Return the reasons why first order is doubtful, if there are any."""
-    free, motion, warnings = theory.free, theory.load, []
+def motion_warnings(theory: Exact) -> list[str]:
+    """Return warnings about the exact motion of a slider, and the reasons why first order is doubtful under a load."""
+    motion, free = theory.load, theory.free
+    warnings = one_way_warnings(theory.model, theory.slider.one_way_validity if theory.slider else 0.0)
     if free is not None and free.restitution == 1.0 and free.damping_ratio == 0.0:
-        lossless = "with a restitution of 1 and no dashpot nothing takes away the energy that sliding brings"
-        return [f"{lossless}: there is no stationary state, and levels grow as long as the run lasts"]
+        warnings.append(
+            "with a restitution of 1 and no dashpot nothing takes away the energy that sliding brings: there is no"
+            " stationary state, and levels grow as long as the run lasts"
+        )
     if motion is None:
-        return []
+        return warnings
     if motion.regime == "bouncing":
         warnings.append(
             "with fewer than about 10 live junctions the slider leaves its contact and bounces;"
@@ -226,7 +210,7 @@ def _load_warnings(theory: Exact) -> list[str]:
             "first order was compared with exact motion from a damping ratio of 0.05 on;"
             " near the resonance less damping errs more"
         )
-    slow = (_relative_frequency(theory.model, motion) or 1.0) < 1.0
+    slow = (_relative_frequency(theory) or 1.0) < 1.0
     if motion.regime != "bouncing" and motion.relative_speed > FOLLOWING and slow:
         warnings.append(
             "the displacement is a lower bound, and the suppression an upper one: swings at the contact resonance are"

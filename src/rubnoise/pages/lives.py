@@ -60,9 +60,7 @@ def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, An
     if "encounter" in there:
         own += OWN_OF_TOUCHES
     times = [name for name in TIMES if timed and name in there and 2 * bytes_of(file) <= MOST_WITH_TIMES]
-    names = ["birth_distance", "death_distance", "state", *own, *times]
-    chunks = list(gather(file, rows, names))
-    columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in chunks)]) for name in names}
+    columns = gather(file, rows, ["birth_distance", "death_distance", "state", *own, *times])
     check_numbers("junctions", rows, {name: columns[name] for name in ("birth_distance", "death_distance", *own)})
     birth, death = columns["birth_distance"], columns["death_distance"]
     length = 2.0 * half_life(columns["diameter"], columns.get("lateral_offset"))
