@@ -139,7 +139,7 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     """
     if not touches:
         refuse_touches(file.columns["junctions"])
-    rows, _ = select(file, lambda row: (row["birth_distance"] <= stop) & (row["death_distance"] >= start))
+    rows, _ = select(file, lambda chunk: (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start))
     rows = rows[rows != number]
     names = ("birth_distance", "death_distance", "diameter", "shear_strength", "lateral_offset")
     columns = gather(file, rows, [name for name in names if name in file.columns["junctions"]])

@@ -1,6 +1,5 @@
 """`rubnoise junctions`: the rows of a result that meet a condition, or the life of one of them."""
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -23,14 +22,11 @@ if TYPE_CHECKING:
 ROWS_SHOWN = 20
 """Rows printed as text by default."""
 
-SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
-"""Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others."""
-
 
 def junctions(
     file: ResultFile,
     number: Annotated[
-        str | None, argument("N", "Row number of one junction, from 0 in order of birth, to show its life.")
+        int | None, argument("N", "Row number of one junction, from 0 in order of birth, to show its life.")
     ] = None,
     picture: Annotated[
         Path | None, argument("FILE.png", "The png file of --plot; default: a name from RUN and N.")
@@ -75,9 +71,9 @@ def junctions(
         raise typer.BadParameter("--plot is for one junction: rubnoise junctions RUN.h5 N")
     if picture is not None and picture.suffix.lower() != ".png":
         raise typer.BadParameter(f"{picture} does not end in .png, which is what --plot draws")
-    row, brief = None if number is None else _row(number), not (as_csv or as_json)
+    brief = not (as_csv or as_json)
     with finished_run(file) as run:
-        if row is None:
+        if number is None:
             head = ROWS_SHOWN if brief and head is None else head
             answer, more = _listed(run, where, sort, columns, reverse, head, brief=brief, as_csv=as_csv)
             answer = replace(answer, title=f"{file}: {answer.title}", rows=answer.rows if as_json else ())
@@ -85,23 +81,15 @@ def junctions(
             if brief and more:
                 print(f"\n  and {more:,} more (--head N for more, --csv for all)")
             return
-        life = life_of(run, row)
+        life = life_of(run, number)
         if plot:
             from rubnoise.figures.contact import draw_life
 
-            path = picture or Path(f"{file.stem}_junction{row}.png")
+            path = picture or Path(f"{file.stem}_junction{number}.png")
             check_picture(path, force=force, reads=[file])
             write_picture(path, lambda: draw_life(life, printable(file.name)), force=force)
         else:
             show(_curve_alone(life) if as_csv else _life_answer(life, file), as_json=as_json, as_csv=as_csv)
-
-
-def _row(number: str) -> int:
-    if number.startswith("-") and not re.fullmatch("-[0-9]+", number):
-        raise typer.BadParameter(f"no such option: {number}")
-    if not re.fullmatch("-?[0-9]{1,100}", number):
-        raise typer.BadParameter(f"{number} is no row number")
-    return int(number)
 
 
 # A list.
