@@ -159,8 +159,6 @@ def main() -> None:
     with escaping():
         try:
             sys.exit(_call(arguments or ["--help"]) or 0)
-        except KeyboardInterrupt:
-            sys.exit(130)
         except Exception as problem:  # noqa: BLE001  (any failure is printed as one line)
             if isinstance(problem, OSError):  # Python does not try to write again at exit
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

@@ -10,7 +10,7 @@ import rubnoise
 from rubnoise.cli.layout import sentence, write_texts
 from rubnoise.cli.options import Quiet, argument, flag
 from rubnoise.cli.page import lesson_page, report_page, view_page
-from rubnoise.cli.progress import announce_compilation, interrupted_at_once
+from rubnoise.cli.progress import announce_compilation
 from rubnoise.errors import OutputRefused
 
 SCENARIO: Final = "first/rubbing"
@@ -24,7 +24,6 @@ FILES: Final = {
 """What the folder holds at the end, and what each is."""
 
 
-@interrupted_at_once
 def demo(
     folder: Annotated[Path, argument("[FOLDER]", "The folder; it is made if it is missing.")] = Path("rubnoise-demo"),
     *,

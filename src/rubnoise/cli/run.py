@@ -15,12 +15,7 @@ import rubnoise
 from rubnoise.answer import Answer, Table, rows, size
 from rubnoise.cli.layout import as_wide_text, sentence, show
 from rubnoise.cli.options import AsCsv, AsJson, EngineName, Quiet, ReplaceResult, argument, flag, option
-from rubnoise.cli.progress import (
-    announce_compilation,
-    announce_compilation_by_workers,
-    interrupted_at_once,
-    stoppable_bar,
-)
+from rubnoise.cli.progress import announce_compilation, announce_compilation_by_workers, bar
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -29,7 +24,6 @@ if TYPE_CHECKING:
     from rubnoise.scenario.sweep import Sweep
 
 
-@interrupted_at_once
 def run(
     file: Annotated[Path, argument("FILE", "The scenario, a TOML file; - is standard input.")],
     *,
@@ -85,7 +79,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, quiet: bool) -> Answe
         announce_compilation()
     began, compiling = time.monotonic(), TimingListener()  # type: ignore[no-untyped-call]
     distance, shown = scenario.model().distance, sys.stderr.isatty() and not quiet
-    with stoppable_bar("counting the births", shown=shown) as show_bar, install_listener("numba:compile", compiling):
+    with bar("counting the births", shown=shown) as show_bar, install_listener("numba:compile", compiling):
 
         def watch(reached: float, junctions: int, live: int) -> None:
             words = f"{reached / 1000.0:.6g} of {distance / 1000.0:.6g} mm, {junctions:,} junctions, {live:,} alive"
@@ -143,7 +137,6 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     return doubts
 
 
-@interrupted_at_once
 def sweep(
     file: Annotated[Path, argument("FILE", "A file with a table [sweep], or one run's for --over.")],
     *,
@@ -189,7 +182,7 @@ def sweep(
     quiet = quiet or as_json or as_csv
     if not quiet:
         announce_compilation_by_workers()
-    with stoppable_bar(shown=sys.stderr.isatty() and not quiet) as show_bar:
+    with bar(shown=sys.stderr.isatty() and not quiet) as show_bar:
 
         def watch(progress: "SweepProgress") -> None:
             ended = progress.done + progress.failed
