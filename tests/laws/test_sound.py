@@ -46,7 +46,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunFile]:
 
 def _heard(run: RunFile, what: Any, speed_up: float) -> tuple[np.ndarray, float]:
     """Return the samples as the file holds them, in the unit of the column, and the step of their rounding."""
-    sound = Sound.of(run, what, rate=RATE, speed_up=speed_up, seconds=None)
+    sound = Sound.of(run, what, rate=RATE, speed_up=speed_up)
     level = level_of(sound, lambda: None)
     assert sound.speed_up == speed_up
     samples = np.concatenate(list(samples_of(sound, level, lambda: None)))
@@ -110,7 +110,7 @@ def test_the_start_of_normal_motion_is_not_heard(tmp_path: Path) -> None:
     exact = load_motion(rubnoise.load(scenario).model()).velocity_std
     rubnoise.run(rubnoise.load(scenario, ["sliding.distance=300 um"]), tmp_path / "x.h5").close()
     with open_run(tmp_path / "x.h5") as file:
-        sound = Sound.of(file, "normal-velocity", rate=RATE, speed_up=1.0, seconds=None)
+        sound = Sound.of(file, "normal-velocity", rate=RATE, speed_up=1.0)
         heard = np.concatenate(list(sound.chunks()))
         left_out = file.column("load", "velocity", 0, sound.first)
     assert heard.size == sound.rows

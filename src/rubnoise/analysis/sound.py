@@ -1,6 +1,6 @@
 """A run as sound: the column, the speed-up, the level, and its samples at another rate, without aliases."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, floor, inf, log10, pi
@@ -39,11 +39,11 @@ Between = Callable[[], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sound:
-    """Rows ``first`` to ``first + rows`` of a column of a run, heard at ``rate`` samples a second for ``seconds``.
+    """Rows ``first`` to ``first + rows`` of a column of a run, heard as samples, ``rate`` a second.
 
     Before ``first`` the start of the normal motion under a load decays. ``ratio`` is samples over ticks, and
-    ``tick_duration`` the time in s from tick to tick in the run. The requested ``speed_up`` is met up to the precision
-    of the ratio. ``natural`` is the natural frequency in Hz of the motion that is heard, None without one.
+    ``tick_duration`` the time in s from tick to tick in the run. The wanted ``speed_up`` is met up to the precision of
+    the ratio. ``natural`` is the natural frequency in Hz of the motion that is heard, None without one.
     """
 
     file: Reader
@@ -58,16 +58,14 @@ class Sound:
     ratio: Fraction
     speed_up: float
     samples: int
-    seconds: float
     natural: float | None
 
     @classmethod
-    def of(cls, file: Reader, what: Heard, *, rate: int, speed_up: float, seconds: float | None) -> Self:
-        """Return the sound of an open run, ``seconds`` from its start or all of it, without a transient.
+    def of(cls, file: Reader, what: Heard, *, rate: int, speed_up: float) -> Self:
+        """Return the sound of an open run without a transient, faster than the run by a factor.
 
         The velocity of a run with a load that weighs, and without a slider, is its normal velocity. Raises Refused if
-        the run has no such column, if it is too short for the seconds, and for a speed-up with more than 4096 ticks for
-        a sample or samples for a tick.
+        the run has no such column, and for a factor with more than 4096 ticks for a sample or samples for a tick.
         """
         group, model = _group(file, what), stored(file.provenance["scenario_resolved"]).model()
         if model.tick_duration is None:
@@ -80,11 +78,6 @@ class Sound:
                 f" it goes from {usual / MOST:.3g} to {usual * MOST:.3g}"
             )
         first = _first_row(file, model, group)
-        rows = file.rows(group) - first
-        whole = output_count(rows, ratio)
-        if seconds is not None and seconds * rate > whole:
-            raise Refused(f"--seconds {seconds:g}: the sound of the whole run lasts {whole / rate:.6g} s")
-        samples = whole if seconds is None else max(1, round(seconds * rate))
         weighed = None if model.separation is None else model.separation.oscillator
         swinging = weighed if group == "load" else model.slider
         about = next(each for each in schema.GROUPS if each.name == group).columns
@@ -95,15 +88,26 @@ class Sound:
             column=COLUMNS[what],
             units=next(each.units for each in about if each.name == COLUMNS[what]),
             first=first,
-            rows=min(rows, ceil((samples - 1) / ratio) + 1 if samples else 0),
+            rows=file.rows(group) - first,
             tick_duration=model.tick_duration,
             rate=rate,
             ratio=ratio,
             speed_up=rate * model.tick_duration / float(ratio),
-            samples=samples,
-            seconds=samples / rate,
+            samples=output_count(file.rows(group) - first, ratio),
             natural=None if swinging is None else swinging.natural_frequency,
         )
+
+    def lasting(self, seconds: float) -> Self:
+        """Return the sound up to a time in s from its start; raises Refused if it is too short for that."""
+        if seconds > self.seconds:
+            raise Refused(f"--seconds {seconds:g}: the sound of the whole run lasts {self.seconds:.6g} s")
+        samples = max(1, round(seconds * self.rate))
+        return replace(self, samples=samples, rows=min(self.rows, ceil((samples - 1) / self.ratio) + 1))
+
+    @property
+    def seconds(self) -> float:
+        """How long it is heard."""
+        return self.samples / self.rate
 
     def chunks(self) -> Iterator[Doubles]:
         """Yield the rows in chunks, as they are in the run."""
@@ -122,35 +126,21 @@ class Sound:
 class Level:
     """The scale of a sound's samples: sample = (value - mean) / full_scale, in the unit of the column.
 
-    ``variance`` is that of the rows. ``spectrum`` is the spectrum of the run over w in rad/s as heard, None if the run
-    is too short for one.
+    ``variance`` is that of the rows, ``hearing`` what is heard of them, None of a run too short to say.
     """
 
     mean: float
     full_scale: float
     variance: float
-    spectrum: Spectrum | None
+    hearing: "Hearing | None"
 
     @property
     def laptop(self) -> float | None:
-        """Level in dB re full scale of the part that a laptop's loudspeaker plays; None without a spectrum."""
-        if self.spectrum is None:
+        """Level in dB re full scale of the part that a laptop's loudspeaker plays; None if that is not known."""
+        if self.hearing is None:
             return None
-        power = Hearing.of(self.spectrum).laptop * self.variance / self.full_scale**2
+        power = self.hearing.laptop * self.variance / self.full_scale**2
         return 10.0 * log10(power) if power > 0.0 else -inf
-
-
-def audible(sound: Sound, between: Between) -> float:
-    """Return a speed-up, 1, 2 or 5 times a power of ten, at which small loudspeakers play a sound well."""
-    spectrum = level_of(sound, between).spectrum
-    return 1.0 if spectrum is None else Hearing.of(spectrum).better(1.0) or 1.0
-
-
-def on_one_scale(levels: Iterable[Level]) -> list[Level]:
-    """Return levels that all have the largest full scale among them, so that loudness compares runs."""
-    found = list(levels)
-    largest = max(level.full_scale for level in found)
-    return [replace(level, full_scale=largest) for level in found]
 
 
 def level_of(sound: Sound, between: Between) -> Level:
@@ -173,8 +163,8 @@ def level_of(sound: Sound, between: Between) -> Level:
         between()
     if loudest <= _NOTHING * abs(moments.mean):
         raise Refused(f"the {sound.what} does not vary, so there is nothing to hear")
-    spectrum = None if total is None else total.spectrum()
-    return Level(mean=moments.mean, full_scale=loudest / PEAK, variance=moments.variance, spectrum=spectrum)
+    hearing = None if total is None else Hearing.of(total.spectrum())
+    return Level(mean=moments.mean, full_scale=loudest / PEAK, variance=moments.variance, hearing=hearing)
 
 
 def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles]:
@@ -240,14 +230,14 @@ class Hearing:
 
     @classmethod
     def of(cls, spectrum: Spectrum) -> Self:
-        """Return the audible shares of a spectrum over w in rad/s, of its power without w = 0, the mean."""
+        """Return what is heard of a spectrum over w in rad/s, of its power without w = 0, the mean."""
         frequency, power = spectrum.wavenumber[1:] / (2.0 * pi), spectrum.density[1:]
-        running = np.cumsum(power)
-        shares = (
-            float(power[(frequency >= low) & (frequency <= high)].sum() / running[-1]) for low, high in (EAR, LAPTOP)
+        running = np.cumsum(power) / power.sum()
+        ears, laptop = (
+            power[(frequency >= low) & (frequency <= high)].sum() / power.sum() for low, high in (EAR, LAPTOP)
         )
-        middle = frequency[np.searchsorted(running, 0.5 * running[-1])]
-        return cls(audible=next(shares), laptop=next(shares), middle=float(middle))
+        middle = frequency[np.searchsorted(running, 0.5)]
+        return cls(audible=float(ears), laptop=float(laptop), middle=float(middle))
 
     def better(self, speed_up: float) -> float | None:
         """Return a speed-up, 1, 2 or 5 times a power of ten, that brings the middle near 300 Hz; None if it is good.

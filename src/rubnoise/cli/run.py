@@ -14,7 +14,19 @@ import typer
 import rubnoise
 from rubnoise.answer import Answer, Table, rows, size
 from rubnoise.cli.layout import as_wide_text, sentence, show
-from rubnoise.cli.options import AsCsv, AsJson, EngineName, Quiet, ReplaceResult, argument, flag, option
+from rubnoise.cli.options import (
+    AsCsv,
+    AsJson,
+    Changes,
+    EngineName,
+    NewFile,
+    Quiet,
+    ReplaceResult,
+    argument,
+    flag,
+    option,
+    output,
+)
 from rubnoise.cli.progress import announce_compilation, announce_compilation_by_workers, bar
 from rubnoise.regular_file import STANDARD_INPUT
 
@@ -27,14 +39,9 @@ if TYPE_CHECKING:
 def run(
     file: Annotated[Path, argument("FILE", "The scenario, a TOML file; - is standard input.")],
     *,
-    output: Annotated[
-        Path | None,
-        option("OUT.h5", "The result file; default: FILE's name with .h5, in this folder.", "-o", "--output"),
-    ] = None,
+    output: Annotated[NewFile, output("OUT.h5", "The result file; default: FILE's name with .h5, here.")] = None,
     seed: Annotated[int | None, option("N", "Seed of the random streams, instead of the file's.")] = None,
-    changes: Annotated[
-        list[str] | None, option("KEY=VALUE", "Change a key, e.g. --set sliding.distance=5mm.", "--set")
-    ] = None,
+    changes: Changes = None,
     engine: EngineName = None,
     force: ReplaceResult = False,
     dry_run: Annotated[bool, flag("Check everything, run nothing, write nothing.", "--dry-run")] = False,
@@ -140,19 +147,13 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
 def sweep(
     file: Annotated[Path, argument("FILE", "A file with a table [sweep], or one run's for --over.")],
     *,
-    folder: Annotated[
-        Path | None, option("DIR", "The folder; default: FILE's name without .toml, in this folder.", "-o", "--output")
-    ] = None,
-    jobs: Annotated[
-        int | None, option("N", "Number of processes; default: the number of processors.", "--jobs", "-j")
-    ] = None,
+    folder: Annotated[Path | None, output("DIR", "The folder; default: FILE's name without .toml, here.")] = None,
+    jobs: Annotated[int | None, option("N", "Number of processes; default: of processors.", "--jobs", "-j")] = None,
     cluster: Annotated[str | None, option("ADDRESS", "A Dask scheduler: its address or its scheduler file.")] = None,
     shard: Annotated[
         str | None, option("I/N", "Make only one of several parts, e.g. 2/8 for a task of a batch queue.")
     ] = None,
-    changes: Annotated[
-        list[str] | None, option("KEY=VALUE", "Change a key, e.g. --set sweep.replicates=40.", "--set")
-    ] = None,
+    changes: Changes = None,
     over: Annotated[
         list[str] | None, option("KEY=V,V", "Values of a key, e.g. --over sliding.speed=5,10,20mm/s.")
     ] = None,

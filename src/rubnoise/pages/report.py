@@ -126,9 +126,8 @@ def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
 
 def _sound(file: Reader, between: Between) -> str:
     try:
-        sound = Sound.of(file, "velocity", rate=RATE, speed_up=1.0, seconds=None)
-        if sound.seconds > SECONDS:
-            sound = Sound.of(file, "velocity", rate=RATE, speed_up=1.0, seconds=SECONDS)
+        sound = Sound.of(file, "velocity", rate=RATE, speed_up=1.0)
+        sound = sound.lasting(min(SECONDS, sound.seconds))
         level = level_of(sound, between)
     except Refused:
         return ""
