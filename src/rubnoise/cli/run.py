@@ -13,7 +13,7 @@ import typer
 
 import rubnoise
 from rubnoise.answer import Answer, Table, rows, size
-from rubnoise.cli.layout import as_wide_text, sentence, show
+from rubnoise.cli.layout import sentence, show
 from rubnoise.cli.options import (
     AsCsv,
     AsJson,
@@ -201,24 +201,23 @@ def sweep(
             watch=watch,
         )
     result = open_sweep(place)
-    answer = replace(
-        sweep_answer(result, place, short_of_precision(asked, imprecise)),
-        title=f"{place}: {len(asked.cases):,} points, {runs_in_words(result)}",
-        notes=tuple(f"warning: {warning}" for warning in asked.warnings),
-    )
+    failed, short = list(failures(result)), _short_of_precision(asked, imprecise)
+    title = f"{place}: {len(asked.cases):,} points, {runs_in_words(result)}"
+    notes = tuple(f"warning: {warning}" for warning in asked.warnings)
     if as_json or as_csv:
-        show(answer, as_json=as_json, as_csv=as_csv)
+        whole = replace(sweep_answer(result, place, short), title=title, notes=notes)
+        show(whole, as_json=as_json, as_csv=as_csv)
     elif not quiet:
-        print(as_wide_text(replace(answer, rows=(), tables=answer.tables[1:] if result.failures else answer.tables)))
-    if result.failures and not as_json:
+        show(Answer(title=title, tables=tuple(short), notes=notes))
+    if failed and not as_json:
         count = len(result.failures)
         told = f"{count:,} {'run' if count == 1 else 'runs'} failed; the same command tries again"
-        print(as_wide_text(Answer(title=told, tables=tuple(failures(result)))), file=sys.stderr)
-    if result.failures:
+        show(Answer(title=told, tables=tuple(failed)), to=sys.stderr)
+    if failed:
         raise typer.Exit(1)
 
 
-def short_of_precision(sweep: "Sweep", imprecise: "list[Unmet]") -> list[Table]:
+def _short_of_precision(sweep: "Sweep", imprecise: "list[Unmet]") -> list[Table]:
     """Return a table of the points that are short of the requested precision; none if there are none."""
     columns: dict[str, list[Any]] = {key: [str(unmet.values[key]) for unmet in imprecise] for key in sweep.keys}
     columns["replicates"] = [unmet.replicates for unmet in imprecise]
