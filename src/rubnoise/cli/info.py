@@ -40,42 +40,37 @@ def info(
     Example: rubnoise info fig5.h5
     """
     if is_folder(file):
-        show(_of_sweep(file, figures, over), as_json=as_json, as_csv=as_csv)
-        return
-    if figures is not None or over is not None:
-        raise typer.BadParameter("--figures and --over are for the folder of a sweep")
-    from rubnoise.api.run import Run
-    from rubnoise.storage.reader import open_run
-
-    with Run(open_run(file)) as run:
-        show(run_answer(run, file), as_json=as_json, as_csv=as_csv)
-
-
-def _of_sweep(folder: Path, figures: str | None, over: str | None) -> Answer:
-    if over is not None and figures is None:
-        raise typer.BadParameter("--over is for --figures")
-    with rubnoise.open_sweep(folder) as sweep:
+        if over is not None and figures is None:
+            raise typer.BadParameter("--over is for --figures")
         names = [] if figures is None else [name.strip() for name in figures.split(",")]
-        return sweep_answer(sweep, folder, estimates(sweep, names, over))
+        with rubnoise.open_sweep(file) as sweep:
+            answer = sweep_answer(sweep, file, estimates(sweep, names, over))
+    elif figures is not None or over is not None:
+        raise typer.BadParameter("--figures and --over are for the folder of a sweep")
+    else:
+        from rubnoise.api.run import Run
+        from rubnoise.storage.reader import open_run
+
+        with Run(open_run(file)) as run:
+            answer = run_answer(run, file)
+    show(answer, as_json=as_json, as_csv=as_csv)
 
 
 def run_answer(run: "Run", file: Path) -> Answer:
     """Return the content of a result file, the numbers that follow from its scenario, and its figures."""
     from rubnoise.cli.derivation import derived
 
-    known = derived(run.scenario, f"{file}: {run.attributes['title']}", warned=False)
-    heard, bands = _normal_motion(run)
-    figures = [replace(row, part="summary") for row in run.summary]
-    return replace(known, rows=(*_origin(run, file), *known.rows, *figures, *heard), tables=tuple(bands))
-
-
-def _origin(run: "Run", file: Path) -> Iterator[Row]:
-    """Yield where a file comes from, and its groups with the numbers of their rows."""
     told, origin = run.attributes, run.provenance
-    yield from rows("", ("source", told["source"]), ("format_version", told["format_version"]))
     names = ("command", "intervention", "seed", "started", "finished")
-    yield from rows("", *((name, origin.get(name)) for name in names), ("bytes", file.stat().st_size, "B"))
-    yield from rows("groups", *((name, len(each), "", ", ".join(each.names)) for name, each in run.groups().items()))
+    known = derived(run.scenario, f"{file}: {told['title']}", warned=False)
+    heard, bands = _normal_motion(run)
+    own = (
+        *rows("", *((name, told[name]) for name in ("source", "format_version"))),
+        *rows("", *((name, origin.get(name)) for name in names), ("bytes", file.stat().st_size, "B")),
+        *rows("groups", *((name, len(each), "", ", ".join(each.names)) for name, each in run.groups().items())),
+    )
+    figures = (replace(row, part="summary") for row in run.summary)
+    return replace(known, rows=(*own, *known.rows, *figures, *heard), tables=tuple(bands))
 
 
 def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
@@ -91,8 +86,8 @@ def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
         return [], []
     level = "level", heard.whole_level, "dB", "re 50 nm/s"
     told = list(rows("normal_velocity", ("velocity", heard.velocity, "um/s"), level))
-    columns = {"frequency": heard.frequency, "level": heard.level}
-    columns |= {} if heard.exact is None else {"exact": heard.exact}
+    columns = {"frequency": heard.frequency, "level": heard.level, "exact": heard.exact}
+    columns = {name: values for name, values in columns.items() if values is not None}
     return told, [Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "level": "dB", "exact": "dB"})]
 
 

@@ -33,7 +33,7 @@ def sentence(text: str, indent: str = "") -> str:
 
 
 def show(answer: Answer, *, as_json: bool = False, as_csv: bool = False, to: TextIO | None = None) -> None:
-    """Print an answer as one JSON object, as CSV, or as text as wide as the terminal, ``to`` another stream if given."""
+    """Print an answer as one JSON object, as CSV, or as text as wide as the terminal; ``to`` another stream."""
     if as_json:
         text = json.dumps(answer.to_json(), allow_nan=False)
     elif as_csv:
