@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.where import Choose
-from rubnoise.arrays import CHUNK_ROWS, Doubles, slices
+from rubnoise.arrays import Doubles, slices
 from rubnoise.contact.pulses import Pulse, area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows, chunks
@@ -21,8 +21,6 @@ from rubnoise.scenario.reading import stored
 
 AREAS_AT_ONCE: Final = 1 << 18
 """Areas that are held at once; their sum is taken piece by piece, so its last bits depend on it."""
-NEAR: Final = 4096
-"""Rows nearer to each other than this are read together with what lies between them."""
 
 RowNumbers = NDArray[np.int64]
 
@@ -32,52 +30,25 @@ def first_row(file: Rows, group: str, name: str, value: float) -> int:
     return bisect_left(range(file.rows(group)), value, key=lambda row: file.column(group, name, row, row + 1)[0])
 
 
-def select(
-    file: Rows,
-    where: Choose | None = None,
-    *,
-    sort: str | None = None,
-    descending: bool = False,
-    head: int | None = None,
-) -> tuple[RowNumbers, int]:
-    """Return the first ``head`` (all when None) row numbers that are chosen, and the number of all that are.
+def select(file: Rows, where: Choose | None, *, sort: str | None = None, descending: bool = False) -> RowNumbers:
+    """Return the row numbers that are chosen, all when None, in order of birth or of a column, or the other way.
 
-    Rows of equal ``sort`` stay in order of birth, also when ``descending``; without ``sort`` all do. Only the columns
-    of the condition and of the order are read. With ``head``, memory holds ``head`` rows and a chunk.
+    Rows of equal ``sort`` stay in order of birth, NaN comes last. Only the columns of the condition and of the order
+    are read.
     """
-    sign, total = -1.0 if descending else 1.0, 0
-    parts = [(np.zeros(0, dtype=np.int64), np.zeros(0))]
-    for chunk in chunks(file, "junctions"):
-        found = np.arange(chunk.end - chunk.first) if where is None else np.flatnonzero(where(chunk))
-        total += found.size
-        order = found + chunk.first if sort is None else chunk[sort][found]
-        parts.append((found + chunk.first, sign * order.astype(np.float64)))
-        if head is not None:
-            parts = [_first(head, parts)]
-    return _first(head, parts)[0], total
-
-
-def _first(head: int | None, parts: Sequence[tuple[RowNumbers, Doubles]]) -> tuple[RowNumbers, Doubles]:
-    """Return the rows with the least keys in order, and these; NaN comes last."""
-    rows, keys = (np.concatenate(each) for each in zip(*parts, strict=True))
-    order = np.argsort(keys, kind="stable")[:head]
-    return rows[order], keys[order]
+    if where is None:
+        rows = np.arange(file.rows("junctions"))
+    else:
+        chosen = (np.flatnonzero(where(chunk)) + chunk.first for chunk in chunks(file, "junctions"))
+        rows = np.concatenate([np.zeros(0, dtype=np.int64), *chosen])
+    keys = rows if sort is None else gather(file, rows, [sort])[sort]
+    return rows[np.argsort(-keys.astype(np.float64) if descending else keys, kind="stable")]
 
 
 def gather(file: Rows, rows: RowNumbers, names: Iterable[str]) -> dict[str, NDArray[Any]]:
-    """Return columns of the rows, in the given order; rows that lie near are read together."""
-    order = np.argsort(rows, kind="stable")
-    wanted = rows[order]
-    cuts = (np.diff(wanted) > NEAR) | (np.diff(wanted // CHUNK_ROWS) > 0)
-    spans = [
-        (each, int(each[0]), int(each[-1]) + 1) for each in np.split(wanted, np.flatnonzero(cuts) + 1) if each.size
-    ]
-    found = {}
-    for name in names:
-        read = [file.column("junctions", name, start, stop)[each - start] for each, start, stop in spans]
-        found[name] = np.empty(rows.size, file.column("junctions", name, 0, 0).dtype)
-        found[name][order] = np.concatenate([*read, found[name][:0]])
-    return found
+    """Return columns of the rows, in the given order, from the stretch of the file that has them."""
+    first, stop = (int(rows.min()), int(rows.max()) + 1) if rows.size else (0, 0)
+    return {name: file.column("junctions", name, first, stop)[rows - first] for name in names}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,7 +110,7 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     """
     if not touches:
         refuse_touches(file.columns["junctions"])
-    rows, _ = select(file, lambda chunk: (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start))
+    rows = select(file, lambda chunk: (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start))
     rows = rows[rows != number]
     names = ("birth_distance", "death_distance", "diameter", "shear_strength", "lateral_offset")
     columns = gather(file, rows, [name for name in names if name in file.columns["junctions"]])

@@ -127,11 +127,12 @@ def _listed(
     if columns is not None:
         names = _chosen(columns, there)
     elif brief:
-        shown = BRIEF | {by} | (set() if condition is None else condition.columns)
-        names = [name for name in there if name in shown]
+        wanted = BRIEF | {by} | (set() if condition is None else condition.columns)
+        names = [name for name in there if name in wanted]
     meets = None if condition is None else condition.chosen
-    found, total = select(run, meets, sort=by, descending=descending, head=head)
-    cells = {name: values.tolist() for name, values in gather(run, found, names).items()}
+    found = select(run, meets, sort=by, descending=descending)
+    shown = found[:head]
+    cells = {name: values.tolist() for name, values in gather(run, shown, names).items()}
     if as_csv:
         cells = {heading(there[name]): values for name, values in cells.items()}
     elif "state" in cells:
@@ -140,12 +141,12 @@ def _listed(
         name="" if brief else "junctions",
         columns=cells,
         units={name: there[name].units for name in names if there[name].units != "1"},
-        shown=None if found.size else (),
+        shown=None if shown.size else (),
     )
     order, all_rows = f"-{by or 'junction'}" if descending else by, run.rows("junctions")
-    about = rows("", ("where", where), ("sort", order), ("rows", all_rows), ("matched", total))
-    title = f"{total:,} of {all_rows:,} junctions"
-    return Answer(title=title, rows=tuple(about), tables=(table,)), total - found.size
+    about = rows("", ("where", where), ("sort", order), ("rows", all_rows), ("matched", found.size))
+    title = f"{found.size:,} of {all_rows:,} junctions"
+    return Answer(title=title, rows=tuple(about), tables=(table,)), found.size - shown.size
 
 
 def _chosen(columns: str, there: "Mapping[str, Dataset]") -> list[str]:

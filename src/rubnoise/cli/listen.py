@@ -45,7 +45,7 @@ def listen(
 
     Example: rubnoise listen few.h5 many.h5 --speed-up 10
     """
-    from rubnoise.analysis.sound import Sound, level_of, samples_of
+    from rubnoise.analysis.sound import Sound, level_of
     from rubnoise.cli.loading import finished_run
     from rubnoise.storage.output import whole_file
     from rubnoise.storage.wave_file import check_length, write_wave
@@ -62,18 +62,21 @@ def listen(
         paths = [output or Path(f"{sound.file.path.stem}_{sound.what}.wav") for sound in sounds]
         _check_paths(files, paths, force=force)
         if speed_up is None and len(sounds) > 1:
-            heard = level_of(sounds[0], between).hearing
+            heard = level_of(sounds[0]).hearing
             faster = heard and heard.better(1.0)
             sounds = [choose(run, speed_up=faster or 1.0) for run in runs]
         shortest = seconds or min(sound.seconds for sound in sounds)
         sounds = [sound.lasting(shortest) for sound in sounds]
         for sound in sounds:
             check_length(sound.samples)
-        levels = [level_of(sound, between) for sound in sounds]
+        levels = []
+        for sound in sounds:
+            between()
+            levels.append(level_of(sound))
         largest = max(level.full_scale for level in levels)  # so that loudness compares runs
         for path, sound, own in zip(paths, sounds, levels, strict=True):
             level = replace(own, full_scale=largest)
-            texts, pieces = _wave_comments(sound, level), samples_of(sound, level, between)
+            pieces, texts = level.pieces(between), _wave_comments(sound, level)
             with whole_file(path, force=force) as part, part.open("w+b") as stream:
                 write_wave(stream, pieces, samples=sound.samples, rate=sound.rate, texts=texts)
             show(_answer(path, sound, level, others=len(sounds) - 1))
