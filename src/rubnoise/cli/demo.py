@@ -11,7 +11,7 @@ from rubnoise.cli.layout import sentence, write_texts
 from rubnoise.cli.options import Quiet, argument, flag
 from rubnoise.cli.page import lesson_page, report_page, view_page
 from rubnoise.cli.progress import announce_compilation
-from rubnoise.errors import OutputRefused
+from rubnoise.errors import OutputRefused, refusing_files
 
 SCENARIO: Final = "first/rubbing"
 FILES: Final = {
@@ -37,7 +37,11 @@ def demo(
 
     Example: rubnoise demo
     """
-    _make(folder)
+    with refusing_files(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        others = sorted(each.name for each in folder.iterdir() if each.name not in FILES)
+    if others:
+        raise OutputRefused(f"{folder}: holds {others[0]}, which no demo makes; name another folder")
     result, picture, *pages = (folder / name for name in FILES)
     if not quiet:
         announce_compilation()
@@ -50,17 +54,6 @@ def demo(
     if not no_open and _has_browser():
         for path in pages:
             webbrowser.open(path.resolve().as_uri())
-
-
-def _make(folder: Path) -> None:
-    """Make the folder; raises OutputRefused if it holds anything but an earlier demo, or cannot be made."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        others = sorted(each.name for each in folder.iterdir() if each.name not in FILES)
-    except OSError as problem:
-        raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
-    if others:
-        raise OutputRefused(f"{folder}: holds {others[0]}, which no demo makes; name another folder")
 
 
 def _has_browser() -> bool:

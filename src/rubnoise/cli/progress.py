@@ -48,19 +48,13 @@ def _drawn(words: str) -> Iterator[Bar]:
         yield lambda done, whole, words: progress.update(task, completed=done, total=whole, description=escape(words))
 
 
-def announce_compilation() -> None:
-    """Print a message, once, when this process begins to compile kernels without kept machine code."""
-    from rubnoise.compiling import before_compiling
-
-    before_compiling(_say_compiling)
-
-
-def announce_compilation_by_workers() -> None:
-    """Print a message that workers will compile the kernels, if their machine code is not kept yet."""
-    from rubnoise.compiling import is_kept
+def announce_compilation(*, by_workers: bool = False) -> None:
+    """Print a message, once, when this process begins to compile kernels, or if workers will: no code is kept then."""
+    from rubnoise.compiling import before_compiling, is_kept
     from rubnoise.simulation.kernel import add_areas
 
-    if not is_kept(add_areas):
+    before_compiling(_say_compiling)
+    if by_workers and not is_kept(add_areas):
         _say_compiling()
 
 

@@ -27,7 +27,7 @@ from rubnoise.cli.options import (
     option,
     output,
 )
-from rubnoise.cli.progress import announce_compilation, announce_compilation_by_workers, bar
+from rubnoise.cli.progress import announce_compilation, bar
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -182,7 +182,7 @@ def sweep(
     place = Path(file.stem) if folder is None else folder
     quiet = quiet or as_json or as_csv
     if not quiet:
-        announce_compilation_by_workers()
+        announce_compilation(by_workers=True)
     with bar(shown=sys.stderr.isatty() and not quiet) as show_bar:
 
         def watch(progress: "SweepProgress") -> None:
