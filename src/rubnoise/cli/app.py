@@ -48,7 +48,7 @@ HEADINGS: Final = {
     ),
     "Compare": ("theory.theory", "compare.compare", "compare.verify"),
     "Measure": ("infer.infer", "surface.surface"),
-    "Hidden": ("check.schema", "surface.surface --synthesise", *(f"app.{name}" for name in INSTEAD)),
+    "Hidden": ("check.schema", "surface.surface --synthesise"),
 }
 """The modules and functions of the commands, which have the same names, under the headings of --help."""
 
@@ -82,12 +82,11 @@ class Commands(TyperGroup):
         """Write the commands that are not hidden with a line each, under their headings (see click)."""
         del ctx
         for heading, paths in HEADINGS.items():
-            some = [self.commands[path.partition(".")[2]] for path in paths]
-            if shown := [
-                (str(each.name), each.get_short_help_str(formatter.width)) for each in some if not each.hidden
-            ]:
+            names = [path.partition(".")[2] for path in paths]
+            some = [self.commands[name] for name in names if name in self.commands and heading != "Hidden"]
+            if some:
                 with formatter.section(heading):
-                    formatter.write_dl(shown)
+                    formatter.write_dl([(str(each.name), each.get_short_help_str(formatter.width)) for each in some])
 
 
 def program(names: Iterable[str] = COMMANDS) -> Typer:
@@ -102,12 +101,8 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
     )
     app.callback(invoke_without_command=True)(root)
     for name in sorted(names, key=[*COMMANDS].index):
-        command = ended
-        if name not in INSTEAD:
-            command = getattr(import_module(f"rubnoise.cli.{COMMANDS[name]}"), name.rpartition("--")[2])
-        taken = {"allow_extra_args": name in INSTEAD, "ignore_unknown_options": name in INSTEAD}
-        hidden = f"{COMMANDS[name]}.{name}" in HEADINGS["Hidden"]
-        app.command(name, cls=Command, hidden=hidden, context_settings=taken)(command)
+        command = getattr(import_module(f"rubnoise.cli.{COMMANDS[name]}"), name.rpartition("--")[2])
+        app.command(name, cls=Command, hidden=f"{COMMANDS[name]}.{name}" in HEADINGS["Hidden"])(command)
         for given in signature(command).parameters.values():
             for about in getattr(given.annotation, "__metadata__", ()):
                 # A command that opens a file says in one line what is wrong with it; typer would say less, in a frame.
@@ -138,11 +133,6 @@ def root(
 
         print(version_line())
         raise typer.Exit
-
-
-def ended(context: typer.Context) -> None:
-    """Say what to call instead."""
-    raise Refused(f"rubnoise {context.info_name}: {INSTEAD[str(context.info_name)]}")
 
 
 def main() -> None:
@@ -212,6 +202,8 @@ def _call(arguments: list[str]) -> Any:
     out = sys.stdout  # for which typer puts another in a closed pipe, whose flush says nothing
     try:
         command = next((word for word in arguments if not word.startswith("-")), None)
+        if command in INSTEAD:
+            raise Refused(f"rubnoise {command}: {INSTEAD[command]}")
         if command in EARLIER:
             place = arguments.index(command)
             arguments[place : place + 1] = EARLIER[command]
