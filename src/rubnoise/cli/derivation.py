@@ -1,8 +1,7 @@
 """The numbers that follow from a scenario, as rows of an answer: sizes, exact means and spreads, motion and cost."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import inf, isnan
-from typing import Final
 
 from rubnoise.analysis.moments import needed_for_motion, one_way_warnings
 from rubnoise.answer import Answer, Row, length
@@ -135,32 +134,25 @@ FOLLOWING, FAR = 0.3, 10.0
 """V over c omega_c up to which first order has the displacement below the contact resonance; omega_0 over omega_c from
 which a slider moves as at constant gap, if the force is that."""
 
-_FREE_FIGURES: Final = (
-    "contact_resonance relative_speed live damping_ratio restitution impact_damping"
-    " load_mean area_mean force_mean fast_area_mean"
-)
-_LOAD_FIGURES: Final = (
-    "separation_std velocity_std load_std contact_resonance damping_ratio relative_speed regime suppression"
-    " negative_share velocity_level"
-)
-
 
 def load_rows(theory: Exact) -> list[Row]:
     """Return the regime of a contact and its motion under a load that weighs; what is not known is left away."""
     motion, free = theory.load, theory.free
     if free is not None:
-        known = {name: value for name, value in fields_of(free, _FREE_FIGURES).items() if not isnan(value)}
-        if (first := free.first_order) is not None:
-            moved = fields_of(first, "separation_std velocity_std")
-            known |= {f"first_order_{name}": value for name, value in moved.items()}
-        return named("load", {"regime": "free"} | known)
-    if motion is not None:
-        error = None if motion.error == inf else motion.error
-        known = {"relative_frequency": _relative_frequency(theory), "error_bound": error}
-        return named("load", fields_of(motion, _LOAD_FIGURES) | known)
-    if _is_on_a_base(theory.model):
-        return named("load", {"regime": "lifted by a base"})
-    return named("load", {"regime": "separation held", "load_variation": theory.area.std / theory.area.mean})
+        scales = {each.name: getattr(free, each.name) for each in fields(free) if each.name != "first_order"}
+        known = {"regime": "free"} | {name: value for name, value in scales.items() if not isnan(value)}
+        if free.first_order is not None:
+            known["first_order_separation_std"] = free.first_order.separation_std
+            known["first_order_velocity_std"] = free.first_order.velocity_std
+    elif motion is not None:
+        known = {each.name: getattr(motion, each.name) for each in fields(motion)}
+        known |= {"velocity_level": motion.velocity_level, "relative_frequency": _relative_frequency(theory)}
+        known |= {"error_bound": None if motion.error == inf else motion.error, "error": None, "covariances": None}
+    elif _is_on_a_base(theory.model):
+        known = {"regime": "lifted by a base"}
+    else:
+        known = {"regime": "separation held", "load_variation": theory.area.std / theory.area.mean}
+    return named("load", known)
 
 
 def _relative_frequency(theory: Exact) -> float | None:
