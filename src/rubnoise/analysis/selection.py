@@ -19,9 +19,10 @@ from rubnoise.record.reader import Reader, Rows, chunks
 from rubnoise.record.rows import refuse_touches
 from rubnoise.scenario.reading import stored
 
-AREAS_AT_ONCE: Final = 1 << 18
-"""Areas that are held at once; their sum is taken piece by piece, so its last bits depend on it."""
-
+_AREAS_AT_ONCE: Final = 1 << 18  # their sum is taken piece by piece, so its last bits depend on it
+_CHECKED_ROWS: Final = (
+    1 << 18
+)  # that a comparison reads at once: it sums up each chunk, so its last bits depend on them
 RowNumbers = NDArray[np.int64]
 
 
@@ -91,7 +92,7 @@ class Neighbours:
     def total_area(self, distance: Doubles) -> Doubles:
         """Return the sum of their areas in um^2 at sliding distances in um; memory holds some junctions at a time."""
         total = np.zeros(distance.size)
-        for part in slices(0, self.rows.size, max(1, AREAS_AT_ONCE // max(1, distance.size))):
+        for part in slices(0, self.rows.size, max(1, _AREAS_AT_ONCE // max(1, distance.size))):
             total += self.chosen(part).areas(distance).sum(axis=0)
         return total
 
@@ -126,16 +127,12 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     )
 
 
-CHECKED_ROWS: Final = 1 << 18
-"""Rows that a comparison reads at once: it sums up each chunk by itself, so its last bits depend on them."""
-
-
 def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
     """Yield the named columns that a group has from its first row to its last, a chunk at a time.
 
     Raises RunFileRefused for a number that is not finite and a diameter that is not positive.
     """
-    for chunk in chunks(rows, group, CHECKED_ROWS):
+    for chunk in chunks(rows, group, _CHECKED_ROWS):
         found = {name: chunk[name] for name in names if name in rows.columns[group]}
         check_numbers(group, range(chunk.first, chunk.end), found)
         yield found

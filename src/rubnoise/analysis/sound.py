@@ -26,12 +26,9 @@ COLUMNS: Final[dict[Heard, str]] = {
     "normal-velocity": "velocity",
     "load": "load",
 }
-PEAK: Final = 10.0 ** (-3.0 / 20.0)
-"""How far the loudest sample goes of full scale: 3 dB below it."""
-
-_SEGMENTS: Final = 8
-_FEWEST_TICKS: Final = 16
-_MOST_TICKS: Final = 1 << 17
+_PEAK: Final = 10.0 ** (-3.0 / 20.0)  # how far the loudest sample goes of full scale: 3 dB below it
+_SEGMENTS: Final = 8  # of Welch's method
+_FEWEST_TICKS, _MOST_TICKS = 16, 1 << 17  # of one
 _NOTHING: Final = 1e-9  # of the mean: what varies less is rounding
 
 
@@ -150,7 +147,7 @@ def level_of(sound: Sound) -> Level:
         raise Refused(f"the {sound.what} does not vary, so there is nothing to hear")
     ticks, step = 2 * min(values.size // (_SEGMENTS + 1), _MOST_TICKS), sound.tick_duration / sound.speed_up
     hearing = Hearing.of(welch([values], ticks, step)) if ticks >= _FEWEST_TICKS else None
-    return Level(mean=mean, wave=wave, full_scale=loudest / PEAK, variance=float(values.var()), hearing=hearing)
+    return Level(mean=mean, wave=wave, full_scale=loudest / _PEAK, variance=float(values.var()), hearing=hearing)
 
 
 def _group(file: Reader, what: Heard) -> str:
@@ -192,8 +189,7 @@ def _first_row(file: Reader, model: Model, group: str) -> int:
 EAR, COMFORTABLE, LAPTOP = (20.0, 20_000.0), (100.0, 5000.0), (200.0, 4000.0)
 """Frequencies in Hz that the young and healthy hear, that most people hear well, and that a laptop plays."""
 
-AIM: Final = 300.0
-"""Frequency in Hz to which a suggestion moves the middle of the power."""
+_AIM: Final = 300.0  # Hz, to which a suggestion moves the middle of the power
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -225,14 +221,12 @@ class Hearing:
         """
         if COMFORTABLE[0] <= self.middle <= COMFORTABLE[1]:
             return None
-        wanted = speed_up * AIM / self.middle
+        wanted = speed_up * _AIM / self.middle
         power = 10.0 ** floor(log10(wanted))
         return min((factor * power for factor in (1.0, 2.0, 5.0, 10.0)), key=lambda near: abs(log10(near / wanted)))
 
 
-MOST: Final = 4096
-"""Numerator and denominator of a ratio of sample rates at most."""
-
+MOST: Final = 4096  # numerator and denominator of a ratio of sample rates at most
 CROSSINGS: Final = 64
 """Zero crossings of the filter on each side, at the lower of the two rates."""
 

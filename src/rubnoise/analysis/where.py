@@ -22,9 +22,7 @@ from rubnoise.scenario.text import Place, Problem
 from rubnoise.storage.schema import JUNCTIONS, Dataset
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
 
-LONGEST: Final = 1000
-"""Most characters of a condition: no person writes a longer one."""
-
+LONGEST: Final = 1000  # characters of a condition: no person writes a longer one
 STATES: Final = {"complete": 0} | {
     name: bit for column in JUNCTIONS.columns if column.name == "state" for bit, name in column.flags
 }

@@ -75,8 +75,7 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, A
     return "scenarios", replace(known, rows=(*known.rows, *derivation.cost(counted(found))), notes=tuple(notes))
 
 
-MOST_ROWS: Final = 100
-"""Points that text lists."""
+_MOST_ROWS: Final = 100  # points that text lists
 
 
 def _sweep_answer(sweep: "Sweep", title: str, *, warned: bool) -> Answer:
@@ -110,7 +109,7 @@ def _sweep_answer(sweep: "Sweep", title: str, *, warned: bool) -> Answer:
         ("junctions", sweep.replicates * sum(rows_of_each), "", "expected in all runs"),
         ("ticks", sweep.replicates * sum(ticks), "", "of all runs"),
     )
-    points = Table(name="points", columns=columns, units=UNITS, shown=range(min(len(models), MOST_ROWS)))
+    points = Table(name="points", columns=columns, units=UNITS, shown=range(min(len(models), _MOST_ROWS)))
     return Answer(
         title=title,
         rows=tuple(told),

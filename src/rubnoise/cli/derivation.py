@@ -12,8 +12,10 @@ from rubnoise.simulation.ticks import cells_per_tick
 from rubnoise.storage.forecast import Budget
 from rubnoise.theory.exact import Exact, exact
 
-WORTH_A_NOTE, WORTH_A_SHARE = 0.01, 1e-4
-"""Differences and errors, as parts of what they are of, and share of time with a negative load, that are printed."""
+_WORTH_A_NOTE = 0.01  # differences and errors, as parts of what they are of, that are printed
+_WORTH_A_SHARE = 1e-4  # and share of the time with a negative load
+_FOLLOWING = 0.3  # V over c omega_c up to which first order has the displacement below the contact resonance
+_FAR = 10.0  # omega_0 over omega_c from which a slider moves as at constant gap, if the force is that
 
 FREE_ROWS = "free motion may touch a summit several times or not at all: rows of junctions and bytes are an estimate"
 
@@ -119,20 +121,13 @@ def _notes(scenario: Scenario, theory: Exact) -> list[str]:
 def _difference(value: float, wanted: float) -> str:
     """Return how much a value is more than what was wanted; empty if that is not worth a note."""
     more = value / wanted - 1.0
-    return f"{more:+.1%}" if abs(more) > WORTH_A_NOTE else ""
+    return f"{more:+.1%}" if abs(more) > _WORTH_A_NOTE else ""
 
 
 def too_short_for_motion(model: Model) -> list[str]:
     """Return that a run is too short for standard errors of its slider's motion, if it is, and what it needs."""
     needed, short = needed_for_motion(model), "the run is too short for standard errors of the slider's motion"
     return [] if needed is None else [f"{short}; it needs about {length(needed)}"]
-
-
-# What a load that weighs does.
-
-FOLLOWING, FAR = 0.3, 10.0
-"""V over c omega_c up to which first order has the displacement below the contact resonance; omega_0 over omega_c from
-which a slider moves as at constant gap, if the force is that."""
 
 
 def load_rows(theory: Exact) -> list[Row]:
@@ -170,12 +165,12 @@ def load_notes(theory: Exact) -> list[str]:
         )
     if motion is None:
         return notes
-    if motion.regime == "constant gap" and (_relative_frequency(theory) or inf) < FAR:
+    if motion.regime == "constant gap" and (_relative_frequency(theory) or inf) < _FAR:
         notes.append(
             "the force is that of a constant gap, but not the slider's motion: momentum keeps the mean load at every"
             " speed, so a slider moves as in the paper only if omega_0, too, is far above omega_c"
         )
-    if motion.regime != "bouncing" and WORTH_A_NOTE < motion.error < inf:
+    if motion.regime != "bouncing" and _WORTH_A_NOTE < motion.error < inf:
         error = f"{100.0 * motion.error:.2g} %"
         notes.append(f"first order misses the spreads of separation, normal velocity and load by up to {error}")
     return notes
@@ -203,12 +198,12 @@ def motion_warnings(theory: Exact) -> list[str]:
             " near the resonance less damping errs more"
         )
     slow = (_relative_frequency(theory) or 1.0) < 1.0
-    if motion.regime != "bouncing" and motion.relative_speed > FOLLOWING and slow:
+    if motion.regime != "bouncing" and motion.relative_speed > _FOLLOWING and slow:
         warnings.append(
             "the displacement is a lower bound, and the suppression an upper one: swings at the contact resonance are"
             " rectified into slow motion, which first order does not have"
         )
-    if motion.negative_share > WORTH_A_SHARE:
+    if motion.negative_share > _WORTH_A_SHARE:
         share = f"{100.0 * motion.negative_share:.2g} %"
         warnings.append(f"the load would be negative for {share} of the time, while a contact only pushes")
     return warnings

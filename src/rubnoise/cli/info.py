@@ -107,8 +107,7 @@ def sweep_answer(sweep: "SweepResult", folder: Path, more: "list[Table]") -> Ans
     )
 
 
-MOST_FAILURES: Final = 20
-"""Failed runs that text shows."""
+_MOST_FAILURES: Final = 20  # that text shows
 
 
 def failures(sweep: "SweepResult") -> Iterator[Table]:
@@ -117,7 +116,7 @@ def failures(sweep: "SweepResult") -> Iterator[Table]:
         columns: dict[str, list[Any]] = {"run_id": [each.run_id for each in failed]}
         columns |= {key: [str(each.values[key]) for each in failed] for key in sweep.keys}
         columns |= {name: [getattr(each, name) for each in failed] for name in ("replicate", "reason")}
-        yield Table(name="failures", columns=columns, shown=range(min(len(failed), MOST_FAILURES)))
+        yield Table(name="failures", columns=columns, shown=range(min(len(failed), _MOST_FAILURES)))
 
 
 def runs_in_words(sweep: "SweepResult") -> str:

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from rubnoise.record.reader import Rows
     from rubnoise.storage.schema import Dataset
 
-ROWS_SHOWN = 20
-"""Rows printed as text by default."""
+_ROWS_SHOWN: Final = 20  # as text by default
+_BRIEF: Final = {"junction", "birth_distance", "diameter", "max_area", "state"}  # what fits a terminal
 
 
 def junctions(
@@ -74,7 +74,7 @@ def junctions(
     brief = not (as_csv or as_json)
     with finished_run(file) as run:
         if number is None:
-            head = ROWS_SHOWN if brief and head is None else head
+            head = _ROWS_SHOWN if brief and head is None else head
             answer, more = _listed(run, where, sort, columns, reverse, head, brief=brief, as_csv=as_csv)
             answer = replace(answer, title=f"{file}: {answer.title}", rows=answer.rows if as_json else ())
             show(answer, as_json=as_json, as_csv=as_csv)
@@ -90,12 +90,6 @@ def junctions(
             write_picture(path, lambda: draw_life(life, printable(file.name)), force=force)
         else:
             show(_curve_alone(life) if as_csv else _life_answer(life, file), as_json=as_json, as_csv=as_csv)
-
-
-# A list.
-
-BRIEF: Final = {"junction", "birth_distance", "diameter", "max_area", "state"}
-"""Columns that fit a terminal; those of --where and --sort are added."""
 
 
 def _listed(
@@ -127,7 +121,7 @@ def _listed(
     if columns is not None:
         names = _chosen(columns, there)
     elif brief:
-        wanted = BRIEF | {by} | (set() if condition is None else condition.columns)
+        wanted = _BRIEF | {by} | (set() if condition is None else condition.columns)
         names = [name for name in there if name in wanted]
     meets = None if condition is None else condition.chosen
     found = select(run, meets, sort=by, descending=descending)
@@ -170,9 +164,6 @@ def _state_names(state: int) -> list[str]:
     from rubnoise.record.rows import JunctionState
 
     return [str(bit.name).lower() for bit in JunctionState(state)] or ["complete"]
-
-
-# One life.
 
 
 def _curve_alone(life: "Life") -> Answer:

@@ -24,19 +24,17 @@ from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach
 from rubnoise.theory.sizes import longest_life
 
-LONGEST_SHOWN: Final = 40
-FEW: Final = 8
-MANY: Final = 241
-"""Steps between points by default: on a terminal, and for everything else."""
+_LONGEST_SHOWN: Final = 40  # characters of what is no number
+_FEW, _MANY = 8, 241  # steps between points by default: on a terminal, and for everything else
+_LITTLE, _NOTHING = 1e-3, 1e-9  # parts of the variance at which lags end, likewise
+_REACH: Final = 6.0  # standard deviations from the mean to which areas reach by default
+_MOST_LINES, _LINES_SHOWN, _BINS_SHOWN = 64, 6, 8  # spectral lines in an answer and in text, bins of an estimate there
+_CONVENTION: Final = (
+    "two-sided, um^4 per rad/um: R(lag) = 1/(2 pi) * integral of S(k) exp(i k lag) dk over k from -inf to inf"
+)
 
-LITTLE, NOTHING = 1e-3, 1e-9
-"""Parts of the variance at which lags end."""
-
-REACH: Final = 6.0
-"""How many standard deviations from the mean the areas reach by default."""
-
-At = Mapping[str, Doubles]
-"""Places by wavenumber (rad/um), lag (um), area (um^2) and distance (um)."""
+At = Mapping[str, Doubles]  # places by wavenumber (rad/um), lag (um), area (um^2) and distance (um)
+Part = Iterator[Row | Table]  # some rows and tables of the answer
 
 
 def places(given: Mapping[str, Sequence[str] | None]) -> At:
@@ -50,10 +48,10 @@ def places(given: Mapping[str, Sequence[str] | None]) -> At:
 
 def _number(option: str, text: str) -> float:
     if not NUMBER.fullmatch(text):
-        shown = f'"{printable(text[:LONGEST_SHOWN])}" is no finite number' if text else "a number is missing"
+        shown = f'"{printable(text[:_LONGEST_SHOWN])}" is no finite number' if text else "a number is missing"
         raise Refused(f"{option}: {shown}; right form: {option} 0.5,1,2e3")
     if not isfinite(value := float(text)):
-        raise Refused(f"{option}: {text[:LONGEST_SHOWN]} is beyond the largest number there is")
+        raise Refused(f"{option}: {text[:_LONGEST_SHOWN]} is beyond the largest number there is")
     return value
 
 
@@ -63,39 +61,26 @@ def _usual_places(theory: Exact, *, brief: bool) -> dict[str, Doubles]:
     Wavenumbers are even in their logarithm; brief ones are few and round.
     """
     unit, area = 1.0 / theory.model.mean_life_distance, theory.area
-    reach = covariance_reach(theory.model, LITTLE if brief else NOTHING)
+    reach = covariance_reach(theory.model, _LITTLE if brief else _NOTHING)
     if brief:
         step = _rounded(0.75 * area.std) or area.mean
-        around = step * (np.round(area.mean / step) + np.arange(FEW + 1.0) - FEW // 2)
+        around = step * (np.round(area.mean / step) + np.arange(_FEW + 1.0) - _FEW // 2)
         factors = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
         return {
             "wavenumber": np.array([0.0, *(_rounded(unit * factor) for factor in factors)]),
-            "lag": _rounded(reach / FEW) * np.arange(FEW + 1, dtype=np.float64),
+            "lag": _rounded(reach / _FEW) * np.arange(_FEW + 1, dtype=np.float64),
             "area": around[around >= 0.0],
         }
-    lowest, highest = max(0.0, area.mean - REACH * area.std), area.mean + REACH * area.std
+    lowest, highest = max(0.0, area.mean - _REACH * area.std), area.mean + _REACH * area.std
     return {
-        "wavenumber": np.concatenate([np.zeros(1), unit * np.geomspace(0.01, 1e4, MANY)]),
-        "lag": np.linspace(0.0, reach, MANY),
-        "area": np.unique(np.linspace(lowest, highest, MANY)),
+        "wavenumber": np.concatenate([np.zeros(1), unit * np.geomspace(0.01, 1e4, _MANY)]),
+        "lag": np.linspace(0.0, reach, _MANY),
+        "area": np.unique(np.linspace(lowest, highest, _MANY)),
     }
 
 
 def _rounded(value: float) -> float:
     return float(f"{value * (1.0 + 1e-9):.1g}")  # a half goes up, whatever its last bit
-
-
-CONVENTION: Final = (
-    "two-sided, um^4 per rad/um: R(lag) = 1/(2 pi) * integral of S(k) exp(i k lag) dk over k from -inf to inf"
-)
-
-MOST_LINES: Final = 64
-LINES_SHOWN: Final = 6
-BINS_SHOWN: Final = 8
-"""Spectral lines in an answer, and how many of them and of the bins of an estimate text shows."""
-
-Part = Iterator[Row | Table]
-"""Some rows and tables of the answer."""
 
 
 def theory_answer(
@@ -120,7 +105,7 @@ def theory_answer(
             *_curves(theory, usual | dict(at)),
             *_distribution(theory, at.get("area"), usual["area"]),
             *_estimated(theory, segment),
-            *_from_empty(theory, at.get("distance"), FEW if brief else MANY - 1),
+            *_from_empty(theory, at.get("distance"), _FEW if brief else _MANY - 1),
         ]
     notes = [f"warning: {warning}" for warning in motion_warnings(theory)]
     notes += [ONE_WAY_ALONE] if model.is_two_way else []
@@ -176,13 +161,13 @@ def _curves(theory: Exact, at: At) -> Part:
     """Yield spectrum and autocovariance of the area."""
     units = UNITS | {"density": "um^4/(rad/um)", "power": "um^4", "value": "um^4"}
     wavenumbers, lags = at["wavenumber"], at["lag"]
-    yield Row(part="spectrum", name="convention", value=CONVENTION)
+    yield Row(part="spectrum", name="convention", value=_CONVENTION)
     columns = {"wavenumber": wavenumbers, "density": theory.spectral_density(wavenumbers)}
     yield Table(name="spectrum", columns=columns, units=units)
     wavenumber, power = area_noise(theory.model).lines
     if power.size:  # the first lines of regular births
-        columns = {"wavenumber": wavenumber[:MOST_LINES], "power": power[:MOST_LINES]}
-        shown = range(min(power.size, LINES_SHOWN))
+        columns = {"wavenumber": wavenumber[:_MOST_LINES], "power": power[:_MOST_LINES]}
+        shown = range(min(power.size, _LINES_SHOWN))
         yield Table(name="spectral_lines", columns=columns, units=units, shown=shown)
     columns = {"lag": lags, "value": autocovariance(theory.model, lags)}
     yield Table(name="autocovariance", columns=columns, units=units)
@@ -213,7 +198,7 @@ def _estimated(theory: Exact, segment: int | None) -> Part:
     if np.isnan(seen.standard_error).any():
         del columns["standard_error"]
     units = UNITS | dict.fromkeys(("density", "standard_error"), "um^4/(rad/um)")
-    shown = sorted({0, *(round(each) for each in np.geomspace(1, seen.wavenumber.size - 1, BINS_SHOWN))})
+    shown = sorted({0, *(round(each) for each in np.geomspace(1, seen.wavenumber.size - 1, _BINS_SHOWN))})
     yield from named("estimated_spectrum", fields_of(seen, "ticks segments"))
     yield Table(name="estimated_spectrum", columns=columns, units=units, shown=shown)
 
