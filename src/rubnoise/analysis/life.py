@@ -29,6 +29,7 @@ class Peak:
     the nearest tick. Forces are None without a strength.
     """
 
+    age: float
     distance: float
     time: float | None
     area: float
@@ -89,6 +90,7 @@ class Life:
             force = self.shear_strength * area
             friction = force + float((beside.strength * areas).sum())
         return Peak(
+            age=age,
             distance=distance,
             time=None if time is None else float(time),
             area=area,
