@@ -133,14 +133,19 @@ def estimates(sweep: "SweepResult", names: Sequence[str], over: str | None = Non
     """
     if unknown := [name for name in names if name not in sweep.figures]:
         raise Refused(f'"{unknown[0]}": no figure of this sweep; there are {", ".join(sweep.figures) or "none yet"}')
-    key, value = ("", None) if over is None else _swept_value(sweep, over)
+    key, _, text = (over or "").partition("=")
+    if over is not None and key not in sweep.keys:
+        raise Refused(f"--over {over}: not KEY=VALUE with a swept key; swept: {', '.join(sweep.keys)}")
+    written = {str(values.get(key)): values.get(key) for values in sweep.values}
+    if over is not None and text not in written:
+        raise Refused(f'--over {over}: no point has the value "{text}"; there are {", ".join(written)}')
     found = []
     for name in names:
         columns: dict[str, list[Any]] = {each: [str(values[each]) for values in sweep.values] for each in sweep.keys}
         columns |= _intervals("", sweep.estimates(name))
         if over is not None:
             try:
-                columns |= _intervals("ratio_", sweep.ratios(name, key, value))
+                columns |= _intervals("ratio_", sweep.ratios(name, key, written[text]))
             except ValueError as problem:
                 raise Refused(
                     f"--over {over}: {problem}, and all else as at another; keys that go side by side change together"
@@ -149,17 +154,6 @@ def estimates(sweep: "SweepResult", names: Sequence[str], over: str | None = Non
         units = dict.fromkeys(("value", "standard_error", "low", "high"), unit)
         found.append(Table(name=name, columns=columns, units=units))
     return found
-
-
-def _swept_value(sweep: "SweepResult", over: str) -> tuple[str, Any]:
-    """Return the key and the value, as written in the file, of KEY=VALUE."""
-    key, _, text = over.partition("=")
-    if key not in sweep.keys:
-        raise Refused(f"--over {over}: not KEY=VALUE with a swept key; swept: {', '.join(sweep.keys)}")
-    written = list(dict.fromkeys(str(values[key]) for values in sweep.values))
-    if text not in written:
-        raise Refused(f'--over {over}: no point has the value "{text}"; there are {", ".join(written)}')
-    return key, next(values[key] for values in sweep.values if str(values[key]) == text)
 
 
 def _intervals(prefix: str, estimates: "Sequence[PooledEstimate]") -> dict[str, list[Any]]:

@@ -19,7 +19,6 @@ from rubnoise.cli.options import (
     AsJson,
     Changes,
     EngineName,
-    NewFile,
     Quiet,
     ReplaceResult,
     argument,
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
 def run(
     file: Annotated[Path, argument("FILE", "The scenario, a TOML file; - is standard input.")],
     *,
-    output: Annotated[NewFile, output("OUT.h5", "The result file; default: FILE's name with .h5, here.")] = None,
+    output: Annotated[Path | None, output("OUT.h5", "The result file; default: FILE's name with .h5, here.")] = None,
     seed: Annotated[int | None, option("N", "Seed of the random streams, instead of the file's.")] = None,
     changes: Changes = None,
     engine: EngineName = None,
