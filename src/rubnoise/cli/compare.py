@@ -1,7 +1,7 @@
 """`rubnoise compare` and `rubnoise verify`: a result beside the theory of its scenario, or its run, played again."""
 
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated
@@ -52,13 +52,11 @@ def _white_noise(model: "Model") -> list[Row]:
     """Return what white noise of the same level at low frequency (Kilburn) would make of a one-way slider, if any."""
     from rubnoise.theory.ancestors import white_noise
 
-    if model.is_two_way or model.separation is not None:
-        return []
-    try:
-        white = white_noise(model)
-    except Refused:
-        return []
-    return named("white_noise", {name: white[name] for name in ("displacement_std", "velocity_std")})
+    if not model.is_two_way and model.separation is None:
+        with suppress(Refused):
+            white = white_noise(model)
+            return named("white_noise", {name: white[name] for name in ("displacement_std", "velocity_std")})
+    return []
 
 
 def verify(
@@ -81,9 +79,7 @@ def verify(
     from rubnoise.cli.loading import finished_run
     from rubnoise.runs import verification
 
-    whole = (
-        "its runs, made again, and the index of these" if is_folder(file) else "its hashes and its run, played again"
-    )
+    whole = "its hashes and its run, played again"
     with ExitStack() as stack:
         show_bar = stack.enter_context(bar(shown=sys.stderr.isatty() and not as_json))
         if is_folder(file):
