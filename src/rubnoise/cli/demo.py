@@ -51,12 +51,7 @@ def demo(
     write_texts(dict(zip(pages, texts, strict=True)), force=True)
     if not quiet:
         print("\n".join(sentence(f"{folder / name}: {what}") for name, what in FILES.items()))
-    if not no_open and _has_browser():
+    desktop = sys.platform == "darwin" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if not no_open and desktop and sys.stdout.isatty():  # a browser of text would take the terminal
         for path in pages:
             webbrowser.open(path.resolve().as_uri())
-
-
-def _has_browser() -> bool:
-    """Return whether there is a desktop; a browser of text would take the terminal."""
-    desktop = sys.platform == "darwin" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-    return desktop and sys.stdout.isatty()
