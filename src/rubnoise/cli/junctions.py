@@ -16,7 +16,7 @@ from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
     from rubnoise.analysis.life import Life
-    from rubnoise.record.reader import Rows
+    from rubnoise.record.reader import Reader
     from rubnoise.storage.schema import Dataset
 
 _ROWS_SHOWN: Final = 20  # as text by default
@@ -76,8 +76,7 @@ def junctions(
         if number is None:
             head = _ROWS_SHOWN if brief and head is None else head
             answer, more = _listed(run, where, sort, columns, reverse, head, brief=brief, as_csv=as_csv)
-            answer = replace(answer, title=f"{file}: {answer.title}", rows=answer.rows if as_json else ())
-            show(answer, as_json=as_json, as_csv=as_csv)
+            show(replace(answer, rows=answer.rows if as_json else ()), as_json=as_json, as_csv=as_csv)
             if brief and more:
                 print(f"\n  and {more:,} more (--head N for more, --csv for all)")
             return
@@ -89,11 +88,15 @@ def junctions(
             check_picture(path, force=force, reads=[file])
             write_picture(path, lambda: draw_life(life, printable(file.name)), force=force)
         else:
-            show(_curve_alone(life) if as_csv else _life_answer(life, file), as_json=as_json, as_csv=as_csv)
+            answer = _life_answer(life, file)
+            if as_csv:  # the curve alone, with the units in the names of its columns
+                curve = {f"{name}_{UNITS[name].replace('^', '')}": each for name, each in life.curve().items()}
+                answer = Answer(tables=(Table(name="curve", columns=curve),))
+            show(answer, as_json=as_json, as_csv=as_csv)
 
 
 def _listed(
-    run: "Rows",
+    run: "Reader",
     where: str | None,
     sort: str | None,
     columns: str | None,
@@ -139,7 +142,7 @@ def _listed(
     )
     order, all_rows = f"-{by or 'junction'}" if descending else by, run.rows("junctions")
     about = rows("", ("where", where), ("sort", order), ("rows", all_rows), ("matched", found.size))
-    title = f"{found.size:,} of {all_rows:,} junctions"
+    title = f"{run.path}: {found.size:,} of {all_rows:,} junctions"
     return Answer(title=title, rows=tuple(about), tables=(table,)), found.size - shown.size
 
 
@@ -164,12 +167,6 @@ def _state_names(state: int) -> list[str]:
     from rubnoise.record.rows import JunctionState
 
     return [str(bit.name).lower() for bit in JunctionState(state)] or ["complete"]
-
-
-def _curve_alone(life: "Life") -> Answer:
-    """Return the curve of a life with the units in the names of its columns."""
-    curve = {f"{name}_{UNITS[name].replace('^', '')}": values.tolist() for name, values in life.curve().items()}
-    return Answer(tables=(Table(name="curve", columns=curve),))
 
 
 def _life_answer(life: "Life", file: Path) -> Answer:
