@@ -121,10 +121,7 @@ def _forecast(scenario: "Scenario", path: Path) -> Answer:
 def program() -> str:
     """Return what a shell calls this program: rubnoise where that finds it, else its path."""
     own = Path(sys.argv[0])
-    found = which("rubnoise")
-    if found is None and own.name == "rubnoise":
-        return quote(os.path.relpath(own))
-    return "rubnoise"
+    return quote(os.path.relpath(own)) if which("rubnoise") is None and own.name == "rubnoise" else "rubnoise"
 
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
