@@ -12,11 +12,7 @@ from rubnoise.cli.options import NewFile, ReplaceFiles, ResultFile, option, outp
 from rubnoise.cli.progress import stoppable
 
 STANDARD_OUTPUT = Path("-")
-
 ExportedGroup = StrEnum("ExportedGroup", "junctions trace slider load landmarks")
-"""The groups of a run that can be exported."""
-
-
 ExportFormat = StrEnum("ExportFormat", "csv parquet netcdf")
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations_with_replacement
-from math import isfinite
+from math import isfinite, nan
 from typing import Any, Final
 
 import numpy as np
@@ -24,7 +24,6 @@ from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach
 from rubnoise.theory.sizes import longest_life
 
-_LONGEST_SHOWN: Final = 40  # characters of what is no number
 _FEW, _MANY = 8, 241  # steps between points by default: on a terminal, and for everything else
 _LITTLE, _NOTHING = 1e-3, 1e-9  # parts of the variance at which lags end, likewise
 _REACH: Final = 6.0  # standard deviations from the mean to which areas reach by default
@@ -47,11 +46,10 @@ def places(given: Mapping[str, Sequence[str] | None]) -> At:
 
 
 def _number(option: str, text: str) -> float:
-    if not NUMBER.fullmatch(text):
-        shown = f'"{printable(text[:_LONGEST_SHOWN])}" is no finite number' if text else "a number is missing"
+    value = float(text) if NUMBER.fullmatch(text) else nan
+    if not isfinite(value):
+        shown = f'"{printable(text[:40])}" is no finite number' if text else "a number is missing"
         raise Refused(f"{option}: {shown}; right form: {option} 0.5,1,2e3")
-    if not isfinite(value := float(text)):
-        raise Refused(f"{option}: {text[:_LONGEST_SHOWN]} is beyond the largest number there is")
     return value
 
 
