@@ -6,10 +6,12 @@ import sys
 
 
 def main() -> None:
-    """Load the command line and run it; an interrupt during loading ends the process silently."""
+    """Load the command line and run it; an interrupt ends the process silently, unless a command looks out for it.
+
+    Python's own way, an exception at any place, gets lost in libraries that are being loaded.
+    """
     _open_missing_streams()
-    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if usual:
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     # typer may load pydantic, which would look for plug-ins in every installed package.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
@@ -17,8 +19,6 @@ def main() -> None:
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     from rubnoise.cli.app import main as command_line
 
-    if usual:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
     command_line()
 
 

@@ -12,7 +12,7 @@ import pytest
 from scipy.signal import firwin, resample_poly
 
 import rubnoise
-from rubnoise.analysis.sound import CROSSINGS, PASSED, Sound, level_of, output_count, resampled, samples_of
+from rubnoise.analysis.sound import CROSSINGS, PASSED, Sound, level_of, output_count, resampled
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.sound import STEPS
@@ -46,10 +46,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunFile]:
 
 def _heard(run: RunFile, what: Any, speed_up: float) -> tuple[np.ndarray, float]:
     """Return the samples as the file holds them, in the unit of the column, and the step of their rounding."""
-    sound = Sound.of(run, what, rate=RATE, speed_up=speed_up, seconds=None)
-    level = level_of(sound, lambda: None)
+    sound = Sound.of(run, what, rate=RATE, speed_up=speed_up)
+    level = level_of(sound)
     assert sound.speed_up == speed_up
-    samples = np.concatenate(list(samples_of(sound, level, lambda: None)))
+    samples = np.concatenate(list(level.pieces(lambda: None)))
     assert samples.size == sound.samples
     step = level.full_scale / STEPS
     return np.rint(samples * STEPS) * step, step
@@ -110,10 +110,9 @@ def test_the_start_of_normal_motion_is_not_heard(tmp_path: Path) -> None:
     exact = load_motion(rubnoise.load(scenario).model()).velocity_std
     rubnoise.run(rubnoise.load(scenario, ["sliding.distance=300 um"]), tmp_path / "x.h5").close()
     with open_run(tmp_path / "x.h5") as file:
-        sound = Sound.of(file, "normal-velocity", rate=RATE, speed_up=1.0, seconds=None)
-        heard = np.concatenate(list(sound.chunks()))
+        sound = Sound.of(file, "normal-velocity", rate=RATE, speed_up=1.0)
+        heard = sound.values
         left_out = file.column("load", "velocity", 0, sound.first)
-    assert heard.size == sound.rows
     # Of motion as good as normal, one value in 5e8 lies beyond six standard deviations.
     assert np.abs(heard).max() < 6.0 * exact
     assert np.abs(left_out).max() > 12.0 * exact
@@ -146,7 +145,7 @@ def test_samples_are_those_of_a_filter_made_and_applied_by_another_program(ratio
     edge = 0.5 * (1.0 + PASSED) / max(up, down)
     taps = firwin(2 * half + 1, edge, window=("kaiser", 10.06))
     inputs = np.random.default_rng(5).standard_normal(12_000)
-    found = np.concatenate(list(resampled(lambda first, stop: inputs[first:stop], inputs.size, ratio)))
+    found = resampled(inputs, ratio)
     known = resample_poly(inputs, up, down, window=taps)
     inside = slice(ceil(half / down), output_count(inputs.size, ratio) - ceil(half / down))
     # Each sum of n products is right to n roundings of the sum of their sizes, in either program.

@@ -14,15 +14,12 @@ import pytest
 
 import rubnoise
 from rubnoise.cli import info, version
-from rubnoise.cli.app import COMMANDS as REGISTERED
-from rubnoise.cli.app import EARLIER, INSTEAD, program
+from rubnoise.cli.app import COMMANDS, EARLIER, INSTEAD, program
 from rubnoise.cli.version import commit_of_checkout, version_line
 from tests.architecture.sources import ROOT
 from tests.shell.terminal import Answer, call, spawn
 
 # What the command line says about itself.
-COMMANDS = [name for name in REGISTERED if name not in INSTEAD]
-
 # Newer versions of typer load pydantic themselves when they build a command.
 HEAVY = "{'numpy', 'scipy', 'numba', 'h5py', 'simpy', 'matplotlib', 'mpmath', 'xarray', 'rubnoise.scenario'}"
 LOADED = f"""

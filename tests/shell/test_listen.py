@@ -2,6 +2,7 @@
 
 import signal
 import subprocess
+import time
 import wave
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.shell.terminal import begin, call, names, stop
+from tests.shell.terminal import call, command, names, start, stop
 
 # `rubnoise listen`: a run as sound.
 CONTACT = Path("../given/contact.toml")
@@ -117,8 +118,10 @@ def test_a_force_that_never_varies_makes_no_sound(here: Path) -> None:
 def test_a_signal_leaves_nothing_behind(here: Path) -> None:
     assert call("run", SLIDER, "-q", "-o", "x.h5", "--set", "sliding.distance=6 mm").code == 0
     # A hundredth of the true speed: ten minutes of sound, which take a while to write.
-    slowly = ("listen", "x.h5", "--speed-up", "0.01")
-    listening: subprocess.Popen[str] = begin(*slowly, part=here / "x_velocity.wav.part")
+    slowly = command("listen", "x.h5", "--speed-up", "0.01")
+    listening: subprocess.Popen[str] = start(slowly, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while listening.poll() is None and not (here / "x_velocity.wav.part").exists():
+        time.sleep(0.002)
     answer = stop(listening, signal.SIGTERM)
     assert (answer.code, answer.err) == (
         143,

@@ -21,8 +21,8 @@ SHORT = ("--set", "sliding.distance=3 mm", "--set", "output.tick=1 um")
 # A signal in the middle of a long run: gone within a second, and nothing is left.
 TWICE = """
 import signal
-from rubnoise.cli.progress import stoppable_bar
-with stoppable_bar(shown=False) as watch:
+from rubnoise.cli.progress import bar
+with bar(shown=False) as watch:
     watch(0.0, 1.0, "")
     signal.raise_signal(signal.SIGINT)
     print("one", flush=True)

@@ -181,9 +181,9 @@ def test_a_signal_stops_a_sweep_that_can_be_resumed(file: Path, number: signal.S
 
 BEFORE = """
 import signal
-from rubnoise.cli.progress import stoppable_bar
+from rubnoise.cli.progress import bar
 signal.signal(signal.SIGINT, signal.SIG_DFL)
-with stoppable_bar(shown=False):
+with bar(shown=False):
     signal.raise_signal(signal.{name})
 print("still there")
 """

@@ -133,10 +133,6 @@ def _tone(places: np.ndarray, cycles: float) -> np.ndarray:
     return np.sin(2.0 * np.pi * cycles * places + 0.3)
 
 
-def _all(record: np.ndarray, ratio: Fraction) -> np.ndarray:
-    return np.concatenate(list(resampled(lambda first, stop: record[first:stop], record.size, ratio)))
-
-
 def _middle(values: np.ndarray, ratio: Fraction) -> np.ndarray:
     """Leave out where the filter reaches beyond the record."""
     edge = int(CROSSINGS * max(1, ratio)) + 1
@@ -149,7 +145,7 @@ def _middle(values: np.ndarray, ratio: Fraction) -> np.ndarray:
 def test_a_tone_below_both_halves_comes_out_as_it_is(ratio: Fraction, share: float) -> None:
     inputs = int(max(3000, 600 / ratio))
     cycles = 0.5 * share * float(min(1, ratio))
-    found = _all(_tone(np.arange(inputs), cycles), ratio)
+    found = resampled(_tone(np.arange(inputs), cycles), ratio)
     wanted = _tone(np.arange(found.size) / float(ratio), cycles)
     assert np.abs(_middle(found - wanted, ratio)).max() < RIPPLE
 
@@ -161,7 +157,7 @@ def test_a_tone_that_would_fold_is_gone(ratio: Fraction) -> None:
         cycles = 0.5 * share * float(ratio)
         if cycles < 0.5:
             tone = _tone(np.arange(inputs), cycles)
-            assert np.abs(_middle(_all(tone, ratio), ratio)).max() < RIPPLE
+            assert np.abs(_middle(resampled(tone, ratio), ratio)).max() < RIPPLE
             picked = tone[np.rint(np.arange(output_count(inputs, ratio)) / float(ratio)).astype(int)]
             assert np.abs(picked).max() > 0.1  # what happens to it without a filter
 

@@ -41,26 +41,26 @@ PEAKS = {0: 0.0, 1: 1.0, 2: 8.0, 3: 8.0, 4: 10.0, 5: 11.0, 6: 25.0, 7: 30.0}
 @pytest.mark.parametrize("number", range(8))
 def test_the_peak_and_its_shares_are_those_of_the_rows(file: RunFile, number: int) -> None:
     life = life_of(file, number)
-    assert life.peak_distance == PEAKS[number]
-    areas = _areas(life.peak_distance, just_before=number in {3, 5})
-    assert life.peak_area == pytest.approx(areas[number], rel=1e-14)
-    assert life.real_contact_area == pytest.approx(areas.sum(), rel=1e-14)
-    assert life.area_share == pytest.approx(areas[number] / areas.sum(), rel=1e-13)
+    assert life.peak.distance == PEAKS[number]
+    areas = _areas(life.peak.distance, just_before=number in {3, 5})
+    assert life.peak.area == pytest.approx(areas[number], rel=1e-14)
+    assert life.peak.real_contact_area == pytest.approx(areas.sum(), rel=1e-14)
+    assert life.peak.area_share == pytest.approx(areas[number] / areas.sum(), rel=1e-13)
     forces = STRENGTH * areas
-    assert life.peak_force == pytest.approx(forces[number], rel=1e-14)
-    assert life.friction_force == pytest.approx(forces.sum(), rel=1e-14)
-    assert life.force_share == pytest.approx(forces[number] / forces.sum(), rel=1e-13)
-    assert life.beside.rows.tolist() == [row for row in np.flatnonzero(areas) if row != number]
+    assert life.peak.force == pytest.approx(forces[number], rel=1e-14)
+    assert life.peak.friction_force == pytest.approx(forces.sum(), rel=1e-14)
+    assert life.peak.force_share == pytest.approx(forces[number] / forces.sum(), rel=1e-13)
+    assert life.peak.beside.rows.tolist() == [row for row in np.flatnonzero(areas) if row != number]
 
 
 def test_a_life_ended_early_has_the_peak_that_it_reached(file: RunFile) -> None:
     before, at, after = (life_of(file, number) for number in (3, 5, 4))
     assert before.mid_life_distance is None
-    assert before.peak_area == pytest.approx(float(LENS.area(4.0, 5.0)), rel=1e-14)
-    assert before.peak_area < before.max_area
+    assert before.peak.area == pytest.approx(float(LENS.area(4.0, 5.0)), rel=1e-14)
+    assert before.peak.area < before.max_area
     assert (at.mid_life_distance, after.mid_life_distance) == (11.0, 10.0)
-    assert at.peak_area == pytest.approx(at.max_area, rel=1e-14)
-    assert after.peak_area == pytest.approx(after.max_area, rel=1e-14)
+    assert at.peak.area == pytest.approx(at.max_area, rel=1e-14)
+    assert after.peak.area == pytest.approx(after.max_area, rel=1e-14)
 
 
 def test_a_bare_run_has_neither_times_nor_forces(tmp_path: Path) -> None:
@@ -68,8 +68,8 @@ def test_a_bare_run_has_neither_times_nor_forces(tmp_path: Path) -> None:
         life = life_of(file, 2)
     assert list(life.curve()) == ["distance", "area"]
     assert life.time(3.0) is None
-    assert (life.peak_force, life.friction_force, life.force_share) == (None, None, None)
-    assert life.area_share > 0.0
+    assert (life.peak.force, life.peak.friction_force, life.peak.force_share) == (None, None, None)
+    assert life.peak.area_share > 0.0
 
 
 @pytest.fixture(scope="module")
@@ -95,9 +95,9 @@ def test_of_a_simulated_run_all_lives_sum_up_to_the_trace(paper: Path, number: i
 
 def _between_ticks(life: Life, distance: np.ndarray, area: np.ndarray) -> bool:
     """Return whether the contact at the peak agrees with its neighbouring ticks within what a tick can change."""
-    tick = np.searchsorted(distance, life.peak_distance)
+    tick = np.searchsorted(distance, life.peak.distance)
     steepest = float(np.abs(np.diff(area)).max())
-    return abs(life.real_contact_area - area[min(tick, area.size - 1)]) <= 2.0 * steepest
+    return abs(life.peak.real_contact_area - area[min(tick, area.size - 1)]) <= 2.0 * steepest
 
 
 @pytest.mark.parametrize(

@@ -4,26 +4,25 @@ Rows are read in chunks, to limit memory, and checked when they are read.
 """
 
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.where import Condition
-from rubnoise.arrays import CHUNK_ROWS, Doubles, slices
+from rubnoise.analysis.where import Choose
+from rubnoise.arrays import Doubles, slices
 from rubnoise.contact.pulses import Pulse, area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows, chunks
 from rubnoise.record.rows import refuse_touches
 from rubnoise.scenario.reading import stored
 
-AREAS_AT_ONCE: Final = 1 << 18
-"""Areas that are held at once; their sum is taken piece by piece, so its last bits depend on it."""
-NEAR: Final = 4096
-"""Rows nearer to each other than this are read together with what lies between them."""
-
+_AREAS_AT_ONCE: Final = 1 << 18  # their sum is taken piece by piece, so its last bits depend on it
+_CHECKED_ROWS: Final = (
+    1 << 18
+)  # that a comparison reads at once: it sums up each chunk, so its last bits depend on them
 RowNumbers = NDArray[np.int64]
 
 
@@ -32,53 +31,25 @@ def first_row(file: Rows, group: str, name: str, value: float) -> int:
     return bisect_left(range(file.rows(group)), value, key=lambda row: file.column(group, name, row, row + 1)[0])
 
 
-def select(
-    file: Rows,
-    where: Condition | None = None,
-    *,
-    sort: str | None = None,
-    descending: bool = False,
-    head: int | None = None,
-) -> tuple[RowNumbers, int]:
-    """Return the first ``head`` (all when None) row numbers that satisfy a condition, and the number of all that do.
+def select(file: Rows, where: Choose | None, *, sort: str | None = None, descending: bool = False) -> RowNumbers:
+    """Return the row numbers that are chosen, all when None, in order of birth or of a column, or the other way.
 
-    Rows of equal ``sort`` stay in order of birth, also when ``descending``; without ``sort`` all do. Only the columns
-    of the condition and of the order are read. With ``head``, memory holds ``head`` rows and a chunk.
+    Rows of equal ``sort`` stay in order of birth, NaN comes last. Only the columns of the condition and of the order
+    are read.
     """
-    sign, total = -1.0 if descending else 1.0, 0
-    rows, keys = np.zeros(0, dtype=np.int64), np.zeros(0)
-    waiting: list[tuple[RowNumbers, Doubles]] = []
-    for chunk in chunks(file, "junctions"):
-        found = np.arange(chunk.end - chunk.first) if where is None else np.flatnonzero(where.chosen(chunk))
-        total += found.size
-        numbers = np.asarray(found + chunk.first, dtype=np.int64)
-        order = numbers if sort is None else chunk[sort][found]
-        waiting.append((numbers, sign * order.astype(np.float64)))
-        if head is not None:
-            rows, keys = _first(head, [(rows, keys), *waiting])
-            waiting = []
-    return _first(head, [(rows, keys), *waiting])[0], total
+    if where is None:
+        rows = np.arange(file.rows("junctions"))
+    else:
+        chosen = (np.flatnonzero(where(chunk)) + chunk.first for chunk in chunks(file, "junctions"))
+        rows = np.concatenate([np.zeros(0, dtype=np.int64), *chosen])
+    keys = rows if sort is None else gather(file, rows, [sort])[sort]
+    return rows[np.argsort(-keys.astype(np.float64) if descending else keys, kind="stable")]
 
 
-def _first(head: int | None, parts: Sequence[tuple[RowNumbers, Doubles]]) -> tuple[RowNumbers, Doubles]:
-    """Return the rows with the least keys in order, and these; NaN comes last."""
-    rows, keys = (np.concatenate(each) for each in zip(*parts, strict=True))
-    order = np.argsort(keys, kind="stable")[:head]
-    return rows[order], keys[order]
-
-
-def gather(file: Rows, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
-    """Yield columns of the rows, in the given order, a chunk at a time; rows that lie near are read together."""
-    for part in slices(0, rows.size):
-        order = np.argsort(rows[part], kind="stable")
-        wanted = rows[part][order]
-        cuts = (np.diff(wanted) > NEAR) | (np.diff(wanted // CHUNK_ROWS) > 0)
-        spans = np.split(wanted, np.flatnonzero(cuts) + 1)
-        found = {}
-        for name in names:
-            read = [file.column("junctions", name, int(each[0]), int(each[-1]) + 1)[each - each[0]] for each in spans]
-            found[name] = np.concatenate(read)[np.argsort(order, kind="stable")]
-        yield found
+def gather(file: Rows, rows: RowNumbers, names: Iterable[str]) -> dict[str, NDArray[Any]]:
+    """Return columns of the rows, in the given order, from the stretch of the file that has them."""
+    first, stop = (int(rows.min()), int(rows.max()) + 1) if rows.size else (0, 0)
+    return {name: file.column("junctions", name, first, stop)[rows - first] for name in names}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,7 +92,7 @@ class Neighbours:
     def total_area(self, distance: Doubles) -> Doubles:
         """Return the sum of their areas in um^2 at sliding distances in um; memory holds some junctions at a time."""
         total = np.zeros(distance.size)
-        for part in slices(0, self.rows.size, max(1, AREAS_AT_ONCE // max(1, distance.size))):
+        for part in slices(0, self.rows.size, max(1, _AREAS_AT_ONCE // max(1, distance.size))):
             total += self.chosen(part).areas(distance).sum(axis=0)
         return total
 
@@ -140,16 +111,10 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     """
     if not touches:
         refuse_touches(file.columns["junctions"])
-    found = [np.zeros(0, dtype=np.int64)]
-    for chunk in chunks(file, "junctions"):
-        alive = (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start)
-        found.append(np.flatnonzero(alive) + chunk.first)
-    rows = np.concatenate(found)
+    rows = select(file, lambda chunk: (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start))
     rows = rows[rows != number]
-    names = ["birth_distance", "death_distance", "diameter"]
-    names += [name for name in ("shear_strength", "lateral_offset") if name in file.columns["junctions"]]
-    gathered = list(gather(file, rows, names))
-    columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in gathered)]) for name in names}
+    names = ("birth_distance", "death_distance", "diameter", "shear_strength", "lateral_offset")
+    columns = gather(file, rows, [name for name in names if name in file.columns["junctions"]])
     check_numbers("junctions", rows, columns)
     return Neighbours(
         rows=rows,
@@ -162,16 +127,12 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     )
 
 
-CHECKED_ROWS: Final = 1 << 18
-"""Rows that a comparison reads at once: it sums up each chunk by itself, so its last bits depend on them."""
-
-
 def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
     """Yield the named columns that a group has from its first row to its last, a chunk at a time.
 
     Raises RunFileRefused for a number that is not finite and a diameter that is not positive.
     """
-    for chunk in chunks(rows, group, CHECKED_ROWS):
+    for chunk in chunks(rows, group, _CHECKED_ROWS):
         found = {name: chunk[name] for name in names if name in rows.columns[group]}
         check_numbers(group, range(chunk.first, chunk.end), found)
         yield found

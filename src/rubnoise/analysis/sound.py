@@ -1,6 +1,6 @@
 """A run as sound: the column, the speed-up, the level, and its samples at another rate, without aliases."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, floor, inf, log10, pi
@@ -8,12 +8,11 @@ from typing import Final, Literal, Self
 
 import numpy as np
 
-from rubnoise.analysis.spectra import Spectrum, WelchSum
-from rubnoise.arrays import Doubles
+from rubnoise.analysis.spectra import Spectrum, welch
+from rubnoise.arrays import Doubles, slices
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
-from rubnoise.record.moments import Moments
-from rubnoise.record.reader import Reader, column_chunks
+from rubnoise.record.reader import Reader
 from rubnoise.scenario.reading import stored
 from rubnoise.storage import schema
 
@@ -27,47 +26,40 @@ COLUMNS: Final[dict[Heard, str]] = {
     "normal-velocity": "velocity",
     "load": "load",
 }
-PEAK: Final = 10.0 ** (-3.0 / 20.0)
-"""How far the loudest sample goes of full scale: 3 dB below it."""
-
-_SEGMENTS: Final = 8
-_FEWEST_TICKS: Final = 16
-_MOST_TICKS: Final = 1 << 17
+_PEAK: Final = 10.0 ** (-3.0 / 20.0)  # how far the loudest sample goes of full scale: 3 dB below it
+_SEGMENTS: Final = 8  # of Welch's method
+_FEWEST_TICKS, _MOST_TICKS = 16, 1 << 17  # of one
 _NOTHING: Final = 1e-9  # of the mean: what varies less is rounding
-Between = Callable[[], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sound:
-    """Rows ``first`` to ``first + rows`` of a column of a run, heard at ``rate`` samples a second for ``seconds``.
+    """Rows of a column of a run, from ``first`` on, that are heard as samples, ``rate`` a second.
 
     Before ``first`` the start of the normal motion under a load decays. ``ratio`` is samples over ticks, and
-    ``tick_duration`` the time in s from tick to tick in the run. The requested ``speed_up`` is met up to the precision
-    of the ratio. ``natural`` is the natural frequency in Hz of the motion that is heard, None without one.
+    ``tick_duration`` the time in s from tick to tick in the run. The wanted ``speed_up`` is met up to the precision of
+    the ratio. ``natural`` is the natural frequency in Hz of the motion that is heard, None without one.
     """
 
     file: Reader
     what: Heard
     group: str
-    column: str
     units: str
     first: int
-    rows: int
+    values: Doubles
     tick_duration: float
     rate: int
     ratio: Fraction
     speed_up: float
     samples: int
-    seconds: float
     natural: float | None
 
     @classmethod
-    def of(cls, file: Reader, what: Heard, *, rate: int, speed_up: float, seconds: float | None) -> Self:
-        """Return the sound of an open run, ``seconds`` from its start or all of it, without a transient.
+    def of(cls, file: Reader, what: Heard, *, rate: int, speed_up: float) -> Self:
+        """Return the sound of an open run without a transient, faster than the run by a factor.
 
         The velocity of a run with a load that weighs, and without a slider, is its normal velocity. Raises Refused if
-        the run has no such column, if it is too short for the seconds, and for a speed-up with more than 4096 ticks for
-        a sample or samples for a tick.
+        the run has no such column, and for a factor with more than 4096 ticks for a sample or samples for a tick.
         """
         group, model = _group(file, what), stored(file.provenance["scenario_resolved"]).model()
         if model.tick_duration is None:
@@ -80,11 +72,7 @@ class Sound:
                 f" it goes from {usual / MOST:.3g} to {usual * MOST:.3g}"
             )
         first = _first_row(file, model, group)
-        rows = file.rows(group) - first
-        whole = output_count(rows, ratio)
-        if seconds is not None and seconds * rate > whole:
-            raise Refused(f"--seconds {seconds:g}: the sound of the whole run lasts {whole / rate:.6g} s")
-        samples = whole if seconds is None else max(1, round(seconds * rate))
+        values = file.column(group, COLUMNS[what], first)
         weighed = None if model.separation is None else model.separation.oscillator
         swinging = weighed if group == "load" else model.slider
         about = next(each for each in schema.GROUPS if each.name == group).columns
@@ -92,96 +80,74 @@ class Sound:
             file=file,
             what="normal-velocity" if group == "load" and what == "velocity" else what,
             group=group,
-            column=COLUMNS[what],
             units=next(each.units for each in about if each.name == COLUMNS[what]),
             first=first,
-            rows=min(rows, ceil((samples - 1) / ratio) + 1 if samples else 0),
+            values=values,
             tick_duration=model.tick_duration,
             rate=rate,
             ratio=ratio,
             speed_up=rate * model.tick_duration / float(ratio),
-            samples=samples,
-            seconds=samples / rate,
+            samples=output_count(values.size, ratio),
             natural=None if swinging is None else swinging.natural_frequency,
         )
 
-    def chunks(self) -> Iterator[Doubles]:
-        """Yield the rows in chunks, as they are in the run."""
-        return column_chunks(self.file, self.group, self.column, self.first, self.first + self.rows)
+    @property
+    def seconds(self) -> float:
+        """How long it is heard."""
+        return self.samples / self.rate
 
-    def about(self, mean: float) -> Iterator[Doubles]:
-        """Yield the samples less a mean, in the unit of the column."""
-
-        def read(first: int, stop: int) -> Doubles:
-            return self.file.column(self.group, self.column, self.first + first, self.first + stop) - mean
-
-        return resampled(read, self.rows, self.ratio)
+    def lasting(self, seconds: float) -> Self:
+        """Return the sound up to a time in s from its start; raises Refused if it is too short for that."""
+        if seconds > self.seconds:
+            raise Refused(f"--seconds {seconds:g}: the sound of the whole run lasts {self.seconds:.6g} s")
+        samples = max(1, round(seconds * self.rate))
+        return replace(self, samples=samples, values=self.values[: ceil((samples - 1) / self.ratio) + 1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Level:
-    """The scale of a sound's samples: sample = (value - mean) / full_scale, in the unit of the column.
+    """What is heard: ``wave``, the samples less the ``mean`` in the unit of the column, and their ``full_scale``.
 
-    ``variance`` is that of the rows. ``spectrum`` is the spectrum of the run over w in rad/s as heard, None if the run
-    is too short for one.
+    ``variance`` is that of the rows, ``hearing`` what ears make of them, None of a run too short to say.
     """
 
     mean: float
+    wave: Doubles
     full_scale: float
     variance: float
-    spectrum: Spectrum | None
+    hearing: "Hearing | None"
 
     @property
     def laptop(self) -> float | None:
-        """Level in dB re full scale of the part that a laptop's loudspeaker plays; None without a spectrum."""
-        if self.spectrum is None:
+        """Level in dB re full scale of the part that a laptop's loudspeaker plays; None if that is not known."""
+        if self.hearing is None:
             return None
-        power = Hearing.of(self.spectrum).laptop * self.variance / self.full_scale**2
+        power = self.hearing.laptop * self.variance / self.full_scale**2
         return 10.0 * log10(power) if power > 0.0 else -inf
 
-
-def audible(sound: Sound, between: Between) -> float:
-    """Return a speed-up, 1, 2 or 5 times a power of ten, at which small loudspeakers play a sound well."""
-    spectrum = level_of(sound, between).spectrum
-    return 1.0 if spectrum is None else Hearing.of(spectrum).better(1.0) or 1.0
-
-
-def on_one_scale(levels: Iterable[Level]) -> list[Level]:
-    """Return levels that all have the largest full scale among them, so that loudness compares runs."""
-    found = list(levels)
-    largest = max(level.full_scale for level in found)
-    return [replace(level, full_scale=largest) for level in found]
+    def pieces(self, between: Callable[[], None]) -> Iterator[Doubles]:
+        """Yield the samples over full scale, from -1 to 1, in pieces; ``between`` is called and may raise to stop."""
+        for part in slices(0, self.wave.size):
+            between()
+            yield self.wave[part] / self.full_scale
 
 
-def level_of(sound: Sound, between: Between) -> Level:
-    """Return the mean of a sound's rows and the scale that leaves its loudest sample 3 dB below full scale.
+def level_of(sound: Sound) -> Level:
+    """Return the samples of a sound, and the scale that leaves the loudest of them 3 dB below full scale.
 
-    ``between`` is called after each chunk and may raise to stop. Raises Refused for a column that does not vary.
+    Raises Refused for a column that does not vary, RunFileRefused for values that are no numbers.
     """
-    moments, ticks = Moments(powers=2), 2 * min(sound.rows // (_SEGMENTS + 1), _MOST_TICKS)
-    total = WelchSum(ticks, sound.tick_duration / sound.speed_up) if ticks >= _FEWEST_TICKS else None
-    for chunk in sound.chunks():
-        if not np.isfinite(chunk).all():
-            raise RunFileRefused(f"/{sound.group}/{sound.column} is damaged: it holds what is no number")
-        moments.add(chunk)
-        if total is not None:
-            total.add(chunk)
-        between()
-    loudest = 0.0
-    for chunk in sound.about(moments.mean):
-        loudest = max(loudest, float(np.abs(chunk).max()))
-        between()
-    if loudest <= _NOTHING * abs(moments.mean):
+    values = sound.values
+    if not np.isfinite(values).all():
+        raise RunFileRefused(f"/{sound.group}/{COLUMNS[sound.what]} is damaged: it holds what is no number")
+    mean = float(values.mean())
+    wave = resampled(values - mean, sound.ratio)[: sound.samples]
+    loudest = float(np.abs(wave).max())
+    if loudest <= _NOTHING * abs(mean):
         raise Refused(f"the {sound.what} does not vary, so there is nothing to hear")
-    spectrum = None if total is None else total.spectrum()
-    return Level(mean=moments.mean, full_scale=loudest / PEAK, variance=moments.variance, spectrum=spectrum)
-
-
-def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles]:
-    """Yield the samples of a sound, from -1 to 1; ``between`` is called after each chunk and may raise to stop."""
-    for chunk in sound.about(level.mean):
-        yield chunk / level.full_scale
-        between()
+    ticks, step = 2 * min(values.size // (_SEGMENTS + 1), _MOST_TICKS), sound.tick_duration / sound.speed_up
+    hearing = Hearing.of(welch([values], ticks, step)) if ticks >= _FEWEST_TICKS else None
+    return Level(mean=mean, wave=wave, full_scale=loudest / _PEAK, variance=float(values.var()), hearing=hearing)
 
 
 def _group(file: Reader, what: Heard) -> str:
@@ -223,8 +189,7 @@ def _first_row(file: Reader, model: Model, group: str) -> int:
 EAR, COMFORTABLE, LAPTOP = (20.0, 20_000.0), (100.0, 5000.0), (200.0, 4000.0)
 """Frequencies in Hz that the young and healthy hear, that most people hear well, and that a laptop plays."""
 
-AIM: Final = 300.0
-"""Frequency in Hz to which a suggestion moves the middle of the power."""
+_AIM: Final = 300.0  # Hz, to which a suggestion moves the middle of the power
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -240,14 +205,14 @@ class Hearing:
 
     @classmethod
     def of(cls, spectrum: Spectrum) -> Self:
-        """Return the audible shares of a spectrum over w in rad/s, of its power without w = 0, the mean."""
+        """Return what is heard of a spectrum over w in rad/s, of its power without w = 0, the mean."""
         frequency, power = spectrum.wavenumber[1:] / (2.0 * pi), spectrum.density[1:]
-        running = np.cumsum(power)
-        shares = (
-            float(power[(frequency >= low) & (frequency <= high)].sum() / running[-1]) for low, high in (EAR, LAPTOP)
+        running = np.cumsum(power) / power.sum()
+        ears, laptop = (
+            power[(frequency >= low) & (frequency <= high)].sum() / power.sum() for low, high in (EAR, LAPTOP)
         )
-        middle = frequency[np.searchsorted(running, 0.5 * running[-1])]
-        return cls(audible=next(shares), laptop=next(shares), middle=float(middle))
+        middle = frequency[np.searchsorted(running, 0.5)]
+        return cls(audible=float(ears), laptop=float(laptop), middle=float(middle))
 
     def better(self, speed_up: float) -> float | None:
         """Return a speed-up, 1, 2 or 5 times a power of ten, that brings the middle near 300 Hz; None if it is good.
@@ -256,14 +221,12 @@ class Hearing:
         """
         if COMFORTABLE[0] <= self.middle <= COMFORTABLE[1]:
             return None
-        wanted = speed_up * AIM / self.middle
+        wanted = speed_up * _AIM / self.middle
         power = 10.0 ** floor(log10(wanted))
         return min((factor * power for factor in (1.0, 2.0, 5.0, 10.0)), key=lambda near: abs(log10(near / wanted)))
 
 
-MOST: Final = 4096
-"""Numerator and denominator of a ratio of sample rates at most."""
-
+MOST: Final = 4096  # numerator and denominator of a ratio of sample rates at most
 CROSSINGS: Final = 64
 """Zero crossings of the filter on each side, at the lower of the two rates."""
 
@@ -272,7 +235,6 @@ PASSED: Final = 0.9
 
 RIPPLE: Final = 2e-5
 _SHAPE: Final = 10.06  # Kaiser's beta for 100 dB, 0.1102 (100 - 8.7)
-_PIECE: Final = 1 << 18  # inputs or outputs at once, about
 
 
 def rate_ratio(source: float, target: float) -> Fraction:
@@ -288,8 +250,8 @@ def rate_ratio(source: float, target: float) -> Fraction:
     return 1 / rate_ratio(target, source)
 
 
-def resampled(read: Callable[[int, int], Doubles], inputs: int, ratio: Fraction) -> Iterator[Doubles]:
-    """Yield a record, of which ``read(first, stop)`` returns rows, at ``ratio`` times its rate, in pieces.
+def resampled(values: Doubles, ratio: Fraction) -> Doubles:
+    """Return a record at ``ratio`` times its rate.
 
     y_n = sum_j x_j h(n q - j p), ratio = p/q. h is a sinc under a Kaiser window over 64 zero crossings on each side:
     up to 0.9 of the lower rate's half amplitudes are kept to 2e-5, from that half on they are held down to it. Output 0
@@ -299,17 +261,8 @@ def resampled(read: Callable[[int, int], Doubles], inputs: int, ratio: Fraction)
     from scipy.signal import resample_poly
 
     up, down = ratio.numerator, ratio.denominator
-    taps = _taps(up, down)
-    reach = down * ceil(taps.size / (up * down))  # inputs beside a piece; a whole number of q, which keeps the phase
-    step = down * ceil(_PIECE / max(up, down))
-    for first in range(0, inputs, step):
-        stop = min(first + step, inputs)
-        values = read(max(first - reach, 0), min(stop + reach, inputs))
-        ends = max(reach - first, 0), max(stop + reach - inputs, 0)
-        wide = resample_poly(np.pad(values, ends, mode="edge"), up, down, window=taps)
-        begin = reach // down * up
-        count = step // down * up if stop < inputs else output_count(stop - first, ratio)
-        yield wide[begin : begin + count]
+    wide = resample_poly(values, up, down, window=_taps(up, down), padtype="edge")
+    return np.asarray(wide[: output_count(values.size, ratio)], dtype=np.float64)
 
 
 def _taps(up: int, down: int) -> Doubles:

@@ -22,9 +22,7 @@ from rubnoise.scenario.text import Place, Problem
 from rubnoise.storage.schema import JUNCTIONS, Dataset
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
 
-LONGEST: Final = 1000
-"""Most characters of a condition: no person writes a longer one."""
-
+LONGEST: Final = 1000  # characters of a condition: no person writes a longer one
 STATES: Final = {"complete": 0} | {
     name: bit for column in JUNCTIONS.columns if column.name == "state" for bit, name in column.flags
 }
@@ -78,7 +76,12 @@ class Condition:
         self._states = STATES if any(column.name == "state" and column.flags for column in columns) else {}
         self._numbers = {found.start(): found for found in _QUANTITY.finditer(self._text)}
         self.columns: set[str] = set()
-        self.chosen = self._choose(self._parsed())
+        self._tree = self._parsed()
+        self.chosen({column.name: np.zeros(0, column.dtype) for column in columns})  # which refuses what is wrong
+
+    def chosen(self, rows: Columns) -> NDArray[np.bool_]:
+        """Return for each row whether it is chosen."""
+        return self._holds(self._tree, rows)
 
     def _parsed(self) -> ast.expr:
         """Return how Python joins the parts; each number is a name of its length, so that all places stay."""
@@ -98,22 +101,19 @@ class Condition:
         except (RecursionError, MemoryError):
             raise self._refused((0, len(plain)), "too many levels") from None
 
-    def _choose(self, node: ast.expr) -> Choose:
-        """Return what chooses the rows for which a part of the condition holds."""
+    def _holds(self, node: ast.expr, rows: Columns) -> NDArray[np.bool_]:
+        """Return for each row whether a part of the condition holds."""
         match node:
             case ast.BoolOp():
                 join = np.logical_and if isinstance(node.op, ast.And) else np.logical_or
-                parts = [self._choose(each) for each in node.values]
-                return lambda rows: join.reduce([part(rows) for part in parts])
+                return join.reduce([self._holds(each, rows) for each in node.values])
             case ast.UnaryOp(op=ast.Not()):
-                part = self._choose(node.operand)
-                return lambda rows: ~part(rows)
+                return ~self._holds(node.operand, rows)
             case ast.Compare():
-                sides = [node.left, *node.comparators]
-                pairs = [self._pair(*each) for each in zip(sides, node.ops, node.comparators, strict=False)]
-                return lambda rows: np.logical_and.reduce([pair(rows) for pair in pairs])
+                sides = zip([node.left, *node.comparators], node.ops, node.comparators, strict=False)
+                return np.logical_and.reduce([self._pair(*each, rows) for each in sides])
             case ast.Name() if node.id in self._states:
-                return self._in_state(node.id)
+                return self._in_state(node.id, rows)
         name = self._name(node)  # which refuses what is no name and no number
         hint = f"for instance: {name} > 0" if name in self._known else _EXAMPLE
         raise self._refused(_span(node), "nothing is compared", hint)
@@ -132,13 +132,13 @@ class Condition:
             raise self._refused(_span(node), f"{name} holds texts", hint)
         return name
 
-    def _in_state(self, state: str) -> Choose:
-        """Return what chooses the rows whose state has a bit, or, for complete, no bit at all."""
+    def _in_state(self, state: str, rows: Columns) -> NDArray[np.bool_]:
+        """Return for each row whether its state has a bit, or, for complete, no bit at all."""
         self.columns.add("state")
         bit = STATES[state]
-        return lambda rows: (rows["state"] & bit) != 0 if bit else rows["state"] == 0
+        return (rows["state"] & bit) != 0 if bit else rows["state"] == 0
 
-    def _pair(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> Choose:
+    def _pair(self, left: ast.expr, operator: ast.cmpop, right: ast.expr, rows: Columns) -> NDArray[np.bool_]:
         names, span = [self._name(side) for side in (left, right)], (_span(left)[0], _span(right)[1])
         if type(operator) not in COMPARISONS:
             raise self._refused(span, "no comparison", _JOINED)
@@ -146,22 +146,20 @@ class Condition:
             if "state" not in names or not isinstance(operator, ast.Eq | ast.NotEq):
                 hint = f"write {states[0]}, not {states[0]}, or state == {states[0]}"
                 raise self._refused(span, f"{states[0]} is a state, which has no order", hint)
-            chosen = self._in_state(states[0])
-            return chosen if isinstance(operator, ast.Eq) else lambda rows: ~chosen(rows)
+            return self._in_state(states[0], rows) == isinstance(operator, ast.Eq)
         known = [self._known[name] for name in names if name]
         if not known:
             raise self._refused(span, "neither side is a column")
         if known[0].units != known[-1].units:
             raise self._refused(span, f"{known[0].name} is in {known[0].units}, {known[-1].name} in {known[-1].units}")
-        compare = COMPARISONS[type(operator)]
-        one, two = (self._value(side, name, known[0]) for side, name in zip((left, right), names, strict=True))
-        return lambda rows: compare(one(rows), two(rows))
+        self.columns.update(each.name for each in known)
+        one, two = (self._value(*each, known[0], rows) for each in zip((left, right), names, strict=True))
+        return np.asarray(COMPARISONS[type(operator)](one, two))
 
-    def _value(self, node: ast.expr, name: str, column: Dataset) -> Callable[[Columns], Any]:
+    def _value(self, node: ast.expr, name: str, column: Dataset, rows: Columns) -> NDArray[Any] | float:
         """Return the values of a side: those of a column, or a number in the unit of the column beside it."""
         if name:
-            self.columns.add(name)
-            return lambda rows: rows[name]
+            return rows[name]
         found = self._numbers[node.col_offset]
         kind = next((kind for kind in KINDS if kind.unit == column.units), None)
         if found["unit"] and kind is None:
@@ -172,7 +170,7 @@ class Condition:
             raise self._refused(found.span(), str(error), error.hint.replace('"', "")) from None
         if isinf(value):
             raise self._refused(found.span(), "too large a number")
-        return lambda _: value
+        return value
 
     def _refused(self, span: tuple[int, int], message: str, hint: str = "") -> ConditionRefused:
         """Return the error that shows the condition with carets below the wrong part."""

@@ -8,12 +8,11 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from importlib import import_module
 from inspect import signature
 from io import StringIO
-from itertools import groupby
 from pathlib import Path
 from typing import Any, Final, TextIO
 
@@ -38,25 +37,23 @@ INSTEAD: Final = {
 """What to do in place of each command of an earlier version, which ends with exit code 2."""
 
 HEADINGS: Final = {
-    "Begin and run": ("new", "examples", "check", "run", "sweep", "demo"),
-    "Look at a result": ("info", "junctions", "plot", "page", "listen", "export"),
-    "Compare": ("theory", "compare", "verify"),
-    "Measure": ("infer", "surface"),
-    "Hidden": ("schema", "surface --synthesise", *INSTEAD),
+    "Begin and run": ("check.new", "check.examples", "check.check", "run.run", "run.sweep", "demo.demo"),
+    "Look at a result": (
+        "info.info",
+        "junctions.junctions",
+        "plot.plot",
+        "page.page",
+        "listen.listen",
+        "export.export",
+    ),
+    "Compare": ("theory.theory", "compare.compare", "compare.verify"),
+    "Measure": ("infer.infer", "surface.surface"),
+    "Hidden": ("check.schema", "surface.surface --synthesise"),
 }
-"""The commands under the headings of --help."""
+"""The modules and functions of the commands, which have the same names, under the headings of --help."""
 
-_ELSEWHERE: Final = {
-    "new": "check.new",
-    "examples": "check.examples",
-    "schema": "check.schema",
-    "sweep": "run.sweep",
-    "verify": "compare.verify",
-    "surface --synthesise": "surface.synthesise",
-    **dict.fromkeys(INSTEAD, "app.ended"),
-}
-COMMANDS: Final = {name: _ELSEWHERE.get(name, f"{name}.{name}") for names in HEADINGS.values() for name in names}
-"""The module of this package and the function of each command; most have a module of their name."""
+COMMANDS: Final = {path.partition(".")[2]: path.partition(".")[0] for paths in HEADINGS.values() for path in paths}
+"""The module of this package with each command."""
 
 EARLIER: Final = {
     "view": ("page", "--as", "view"),
@@ -68,7 +65,7 @@ EARLIER: Final = {
 
 
 class Command(TyperCommand):
-    """A command whose options for a file refuse a slash at the end, which a Path would drop."""
+    """A command whose arguments are explained without their types."""
 
     def __init__(self, *names: Any, **rest: Any) -> None:
         """Make a command (see click)."""
@@ -76,33 +73,20 @@ class Command(TyperCommand):
         for param in self.params:
             if param.param_type_name == "argument":
                 param.display_type_rich = lambda **_context: ""  # type: ignore[attr-defined]
-            elif param.metavar != "DIR":
-                param.process_value = _file_only(param.process_value)  # type: ignore[method-assign]
-
-
-def _file_only(process: Callable[..., Any]) -> Callable[..., Any]:
-    def processed(context: Any, value: Any) -> Any:
-        found = process(context, value)
-        if isinstance(found, Path) and isinstance(value, str) and value.endswith(("/", os.sep)):
-            raise typer.BadParameter(f"{value}: names a folder; name a file")
-        return found
-
-    return processed
 
 
 class Commands(TyperGroup):
     """The group of commands: --help lists them under their headings."""
 
-    def list_commands(self, ctx: Any) -> list[str]:
-        """Return the names that are shown and suggested: those of commands that are not hidden."""
-        return [name for name in super().list_commands(ctx) if not self.commands[name].hidden]
-
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the commands with a line each, under their headings (see click)."""
-        shown = [self.commands[name] for name in self.list_commands(ctx)]
-        for heading, some in groupby(shown, key=lambda command: str(getattr(command, "rich_help_panel", ""))):
-            with formatter.section(heading):
-                formatter.write_dl([(str(each.name), each.get_short_help_str(formatter.width)) for each in some])
+        """Write the commands that are not hidden with a line each, under their headings (see click)."""
+        del ctx
+        for heading, paths in HEADINGS.items():
+            names = [path.partition(".")[2] for path in paths]
+            some = [self.commands[name] for name in names if name in self.commands and heading != "Hidden"]
+            if some:
+                with formatter.section(heading):
+                    formatter.write_dl([(str(each.name), each.get_short_help_str(formatter.width)) for each in some])
 
 
 def program(names: Iterable[str] = COMMANDS) -> Typer:
@@ -116,23 +100,25 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         pretty_exceptions_enable=False,
     )
     app.callback(invoke_without_command=True)(root)
-    for name in sorted(names, key=list(COMMANDS).index):
-        module_name, _, function = COMMANDS[name].partition(".")
-        module = import_module(f"rubnoise.cli.{module_name}")
-        command = getattr(module, function)
-        panel = next(heading for heading, commands in HEADINGS.items() if name in commands)
-        settings = {"cls": Command, "rich_help_panel": panel, **getattr(module, "SETTINGS", {})}
-        settings |= {"hidden": panel == "Hidden"}
-        if name in INSTEAD:  # whatever follows is taken
-            settings |= {"context_settings": {"allow_extra_args": True, "ignore_unknown_options": True}}
-        app.command(name, **settings)(command)
+    for name in sorted(names, key=[*COMMANDS].index):
+        command = getattr(import_module(f"rubnoise.cli.{COMMANDS[name]}"), name.rpartition("--")[2])
+        app.command(name, cls=Command, hidden=f"{COMMANDS[name]}.{name}" in HEADINGS["Hidden"])(command)
         for given in signature(command).parameters.values():
             for about in getattr(given.annotation, "__metadata__", ()):
                 # A command that opens a file says in one line what is wrong with it; typer would say less, in a frame.
                 about.readable = False
+                if given.annotation.__origin__ == Path | None and about.metavar != "DIR":
+                    about.parser = _file_name
                 if about.show_default is True and given.default in (None, given.empty):
                     about.show_default = False  # options without a default; some versions of typer show None
     return app
+
+
+def _file_name(text: str) -> Path:
+    """Return the path of a file; of one that ends in a slash a Path would drop it."""
+    if text.endswith(("/", os.sep)):
+        raise typer.BadParameter(f"{text}: names a folder; name a file")
+    return Path(text)
 
 
 def root(
@@ -149,11 +135,6 @@ def root(
         raise typer.Exit
 
 
-def ended(context: typer.Context) -> None:
-    """Say what to call instead."""
-    raise Refused(f"rubnoise {context.info_name}: {INSTEAD[str(context.info_name)]}")
-
-
 def main() -> None:
     """Run the command line; an error becomes one text on stderr and an exit code.
 
@@ -166,29 +147,16 @@ def main() -> None:
     end = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
     arguments = [word for word in sys.argv[1:end] if word != DEBUG] + sys.argv[end:]
     with escaping():
-        _answer(arguments, debug=DEBUG in sys.argv[1:end])
-
-
-def _answer(arguments: list[str], *, debug: bool) -> None:
-    try:
-        sys.exit(_call(arguments or ["--help"]) or 0)
-    except KeyboardInterrupt:
-        sys.exit(130)
-    except BrokenPipeError:
-        _discard_output()  # the reader has closed the pipe
-        sys.exit(1)
-    except Exception as problem:  # noqa: BLE001  (any failure is printed as one line)
-        if isinstance(problem, OSError):
-            _discard_output()
-        if debug:
-            traceback.print_exc()
-        if hasattr(problem, "show"):  # a wrong call, of which typer says how it is called
-            problem.message = str(problem.message).removeprefix("Value error, ")  # type: ignore[attr-defined]
-            problem.show(shown := StringIO())
-            print(shown.getvalue().expandtabs(), end="", file=sys.stderr)
-        else:
-            print(_error_text(problem), file=sys.stderr)
-        sys.exit(getattr(problem, "exit_code", 1))
+        try:
+            sys.exit(_call(arguments or ["--help"]) or 0)
+        except Exception as problem:  # noqa: BLE001  (any failure is printed as one line)
+            if isinstance(problem, OSError):  # Python does not try to write again at exit
+                os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+            if DEBUG in sys.argv[1:end]:
+                traceback.print_exc()
+            if not isinstance(problem, BrokenPipeError):  # whose reader has closed the pipe
+                print(_error_text(problem), file=sys.stderr)
+            sys.exit(getattr(problem, "exit_code", 1))
 
 
 class Escaping:
@@ -225,12 +193,8 @@ def escaped(text: str) -> str:
 @contextmanager
 def escaping() -> Iterator[None]:
     """Escape all output on both streams in this context."""
-    out, err = sys.stdout, sys.stderr
-    sys.stdout, sys.stderr = Escaping(out), Escaping(err)
-    try:
+    with redirect_stdout(Escaping(sys.stdout)), redirect_stderr(Escaping(sys.stderr)):
         yield
-    finally:
-        sys.stdout, sys.stderr = out, err
 
 
 def _call(arguments: list[str]) -> Any:
@@ -238,6 +202,8 @@ def _call(arguments: list[str]) -> Any:
     out = sys.stdout  # for which typer puts another in a closed pipe, whose flush says nothing
     try:
         command = next((word for word in arguments if not word.startswith("-")), None)
+        if command in INSTEAD:
+            raise Refused(f"rubnoise {command}: {INSTEAD[command]}")
         if command in EARLIER:
             place = arguments.index(command)
             arguments[place : place + 1] = EARLIER[command]
@@ -253,20 +219,18 @@ def _call(arguments: list[str]) -> Any:
 
 def _error_text(problem: Exception) -> str:
     """Return the message of an error: one line, for a refused scenario one for each of its problems."""
+    if hasattr(problem, "show"):  # a wrong call, of which typer says how it is called
+        problem.message = str(problem.message).removeprefix("Value error, ")  # type: ignore[attr-defined]
+        problem.show(shown := StringIO())
+        return shown.getvalue().expandtabs().removesuffix("\n")
     if isinstance(problem, ScenarioRefused):
         return str(problem)  # which holds lines of a file
-    if isinstance(problem, RunFileRefused | OutputRefused):
-        return in_shell(str(problem)).replace("\n", "\\n")  # of a name, which has no line of its own
     if isinstance(problem, RubnoiseError):
-        return in_shell(str(problem))
+        of_a_name = isinstance(problem, RunFileRefused | OutputRefused)  # which has no line of its own
+        return in_shell(str(problem)).replace("\n", "\\n" if of_a_name else "\n")
     if isinstance(problem, OSError):
         return f"{problem.filename or 'output'}: {problem.strerror or problem}"
     if isinstance(problem, MemoryError):
         return "out of memory; a shorter run, or a coarser output.tick, needs less"
     what = " ".join(f"{type(problem).__name__}: {problem}".split())
     return f"internal error, which should not be: {what} ({DEBUG} shows where)"
-
-
-def _discard_output() -> None:
-    """Discard the unwritten output, so that Python does not try to write it again at exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

@@ -17,7 +17,6 @@ from rubnoise.cli.vocabulary import UNITS
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError
 
 if TYPE_CHECKING:
-    from rubnoise.scenario import Scenario
     from rubnoise.scenario.sweep import Sweep
 
 
@@ -66,7 +65,7 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, A
     found = loaded(load_either, file, changes, quiet=quiet)
     title = f"{file}: ok" + (f": {found.title}" if found.title else "")
     if not isinstance(found, Scenario):
-        return "sweeps", sweep_answer(found, title, warned=not quiet)
+        return "sweeps", _sweep_answer(found, title, warned=not quiet)
     known = derivation.derived(found, title, warned=not quiet)
     notes = [*known.notes]
     try:
@@ -76,56 +75,47 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, A
     return "scenarios", replace(known, rows=(*known.rows, *derivation.cost(counted(found))), notes=tuple(notes))
 
 
-MOST_ROWS: Final = 100
-"""Points that text lists."""
+_MOST_ROWS: Final = 100  # points that text lists
 
 
-def sweep_answer(sweep: "Sweep", title: str, *, warned: bool) -> Answer:
+def _sweep_answer(sweep: "Sweep", title: str, *, warned: bool) -> Answer:
     """Return the points of a sweep with exact means and deviations, and the seed of each run."""
     from rubnoise.scenario.sweep import expand
+    from rubnoise.theory.moments import area_cumulants, expected_junction_rows
 
-    runs = expand(sweep)
-    points = [_point(case.scenario) for case in sweep.cases]
-    columns: dict[str, list[Any]] = {"point": list(range(1, len(points) + 1))}
+    runs, models = expand(sweep), [case.scenario.model() for case in sweep.cases]
+    areas = [area_cumulants(model) for model in models]
+    rows_of_each = [round(expected_junction_rows(model)) for model in models]
+    ticks = [model.tick_count + 1 for model in models]
+    columns: dict[str, list[Any]] = {"point": list(range(1, len(models) + 1))}
     columns |= {key: [str(dict(case.values)[key]) for case in sweep.cases] for key in sweep.keys}
-    columns |= {name: [point[name] for point in points] for name in points[0]}
+    columns |= {
+        "calibrated_diameter": [model.calibrated_diameter for model in models],
+        "real_contact_area_mean": [area.mean for area in areas],
+        "real_contact_area_std": [area.std for area in areas],
+        "expected_junctions": rows_of_each,
+        "ticks": ticks,
+    }
     each_run = {
         "point": [1 + number // sweep.replicates for number in range(len(runs))],
         "seed": [run.seed for run in runs],
         "run_id": [run.run_id for run in runs],
     }
-    every = {name: sweep.replicates * sum(point[name] for point in points) for name in ("expected_junctions", "ticks")}
     told = rows(
         "",
         ("keys", list(sweep.keys)),
         ("replicates", sweep.replicates, "", "runs of each point"),
         ("runs", len(runs)),
-        ("junctions", every["expected_junctions"], "", "expected in all runs"),
-        ("ticks", every["ticks"], "", "of all runs"),
+        ("junctions", sweep.replicates * sum(rows_of_each), "", "expected in all runs"),
+        ("ticks", sweep.replicates * sum(ticks), "", "of all runs"),
     )
+    points = Table(name="points", columns=columns, units=UNITS, shown=range(min(len(models), _MOST_ROWS)))
     return Answer(
         title=title,
         rows=tuple(told),
-        tables=(
-            Table(name="points", columns=columns, units=UNITS, shown=range(min(len(points), MOST_ROWS))),
-            Table(name="seeds", columns=each_run, shown=()),
-        ),
+        tables=(points, Table(name="seeds", columns=each_run, shown=())),
         notes=tuple(f"warning: {warning}" for warning in ([] if warned else sweep.warnings)),
     )
-
-
-def _point(scenario: "Scenario") -> dict[str, Any]:
-    from rubnoise.theory.moments import area_cumulants, expected_junction_rows
-
-    model = scenario.model()
-    area = area_cumulants(model)
-    return {
-        "calibrated_diameter": model.calibrated_diameter,
-        "real_contact_area_mean": area.mean,
-        "real_contact_area_std": area.std,
-        "expected_junctions": round(expected_junction_rows(model)),
-        "ticks": model.tick_count + 1,
-    }
 
 
 def shipped_scenarios(incomplete: str) -> list[str]:

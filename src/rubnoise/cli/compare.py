@@ -1,6 +1,7 @@
 """`rubnoise compare` and `rubnoise verify`: a result beside the theory of its scenario, or its run, played again."""
 
 import sys
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated
@@ -22,9 +23,7 @@ if TYPE_CHECKING:
 def compare(
     file: ResultFile,
     *,
-    bound: Annotated[
-        float | None, option("Z", "Largest |z| of a figure that agrees; default: the family-wise bound of all figures.")
-    ] = None,
+    bound: Annotated[float | None, option("Z", "Largest |z| that agrees; default: the bound of all figures.")] = None,
     as_json: AsJson = False,
     as_csv: AsCsv = False,
 ) -> None:
@@ -53,24 +52,18 @@ def _white_noise(model: "Model") -> list[Row]:
     """Return what white noise of the same level at low frequency (Kilburn) would make of a one-way slider, if any."""
     from rubnoise.theory.ancestors import white_noise
 
-    if model.is_two_way or model.separation is not None:
-        return []
-    try:
-        white = white_noise(model)
-    except Refused:
-        return []
-    return named("white_noise", {name: white[name] for name in ("displacement_std", "velocity_std")})
+    if not model.is_two_way and model.separation is None:
+        with suppress(Refused):
+            white = white_noise(model)
+            return named("white_noise", {name: white[name] for name in ("displacement_std", "velocity_std")})
+    return []
 
 
 def verify(
     file: ResultFile,
     *,
     regenerate: Annotated[
-        bool,
-        flag(
-            "Refuse a file whose random numbers cannot be drawn again here; rows are made again in any case.",
-            "--regenerate",
-        ),
+        bool, flag("Refuse a file whose random numbers cannot be drawn again here.", "--regenerate")
     ] = False,
     as_json: AsJson = False,
     as_csv: AsCsv = False,
@@ -86,20 +79,20 @@ def verify(
     from rubnoise.cli.loading import finished_run
     from rubnoise.runs import verification
 
-    shown = sys.stderr.isatty() and not as_json
-    if is_folder(file):
-        with bar(shown=shown) as show_bar:
-            found = verification.verify_sweep(
-                file,
-                regenerate=regenerate,
-                watch=lambda done, runs: show_bar(done, runs, f"{done:,} of {runs:,} runs"),
-            )
-        whole = "its runs, made again, and the index of these"
-    else:
-        with finished_run(file) as run, bar(shown=shown) as show_bar:
+    whole = "its hashes and its run, played again"
+    with ExitStack() as stack:
+        show_bar = stack.enter_context(bar(shown=sys.stderr.isatty() and not as_json))
+        if is_folder(file):
+            whole = "its runs, made again, and the index of these"
+
+            def watch(done: int, runs: int) -> None:
+                show_bar(done, runs, f"{done:,} of {runs:,} runs")
+
+            found = verification.verify_sweep(file, regenerate=regenerate, watch=watch)
+        else:
+            run = stack.enter_context(finished_run(file))
             run.watch = lambda column, row, rows: show_bar(row, rows, column)
             found = verification.verify(run, regenerate=regenerate)
-        whole = "its hashes and its run, played again"
     show(replace(found, title=f"{file}: compared with {whole}"), as_json=as_json, as_csv=as_csv)
     if found.different:
         said = [check.first for check in found.different]

@@ -10,8 +10,8 @@ import rubnoise
 from rubnoise.cli.layout import sentence, write_texts
 from rubnoise.cli.options import Quiet, argument, flag
 from rubnoise.cli.page import lesson_page, report_page, view_page
-from rubnoise.cli.progress import announce_compilation, interrupted_at_once
-from rubnoise.errors import OutputRefused
+from rubnoise.cli.progress import announce_compilation
+from rubnoise.errors import OutputRefused, refusing_files
 
 SCENARIO: Final = "first/rubbing"
 FILES: Final = {
@@ -24,7 +24,6 @@ FILES: Final = {
 """What the folder holds at the end, and what each is."""
 
 
-@interrupted_at_once
 def demo(
     folder: Annotated[Path, argument("[FOLDER]", "The folder; it is made if it is missing.")] = Path("rubnoise-demo"),
     *,
@@ -38,7 +37,11 @@ def demo(
 
     Example: rubnoise demo
     """
-    _make(folder)
+    with refusing_files(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        others = sorted(each.name for each in folder.iterdir() if each.name not in FILES)
+    if others:
+        raise OutputRefused(f"{folder}: holds {others[0]}, which no demo makes; name another folder")
     result, picture, *pages = (folder / name for name in FILES)
     if not quiet:
         announce_compilation()
@@ -48,23 +51,7 @@ def demo(
     write_texts(dict(zip(pages, texts, strict=True)), force=True)
     if not quiet:
         print("\n".join(sentence(f"{folder / name}: {what}") for name, what in FILES.items()))
-    if not no_open and _has_browser():
+    desktop = sys.platform == "darwin" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if not no_open and desktop and sys.stdout.isatty():  # a browser of text would take the terminal
         for path in pages:
             webbrowser.open(path.resolve().as_uri())
-
-
-def _make(folder: Path) -> None:
-    """Make the folder; raises OutputRefused if it holds anything but an earlier demo, or cannot be made."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        others = sorted(each.name for each in folder.iterdir() if each.name not in FILES)
-    except OSError as problem:
-        raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
-    if others:
-        raise OutputRefused(f"{folder}: holds {others[0]}, which no demo makes; name another folder")
-
-
-def _has_browser() -> bool:
-    """Return whether there is a desktop; a browser of text would take the terminal."""
-    desktop = sys.platform == "darwin" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-    return desktop and sys.stdout.isatty()

@@ -8,15 +8,11 @@ from typing import Annotated
 import typer
 
 from rubnoise.answer import size
-from rubnoise.cli.options import ReplaceFiles, ResultFile, option
+from rubnoise.cli.options import NewFile, ReplaceFiles, ResultFile, option, output
 from rubnoise.cli.progress import stoppable
 
 STANDARD_OUTPUT = Path("-")
-
 ExportedGroup = StrEnum("ExportedGroup", "junctions trace slider load landmarks")
-"""The groups of a run that can be exported."""
-
-
 ExportFormat = StrEnum("ExportFormat", "csv parquet netcdf")
 
 
@@ -25,17 +21,11 @@ def export(
     *,
     kind: Annotated[ExportFormat, option("FORMAT", "csv, parquet or netcdf.", "--to")],
     group: Annotated[
-        ExportedGroup | None,
-        option("GROUP", "One group of the run: junctions, trace, slider, load or landmarks; default: all."),
+        ExportedGroup | None, option("GROUP", f"One group of the run: {', '.join(ExportedGroup)}; default: all.")
     ] = None,
     output: Annotated[
-        Path | None,
-        option(
-            "OUT",
-            "The file to write, - for standard output (CSV); default: RUN_GROUP.csv and so on, in this folder.",
-            "-o",
-            "--output",
-        ),
+        NewFile,
+        output("OUT", "The file to write, - for standard output (CSV); default: RUN_GROUP.csv and so on, here."),
     ] = None,
     force: ReplaceFiles = False,
 ) -> None:
@@ -52,14 +42,10 @@ def export(
     from rubnoise.storage.reader import open_run
 
     printed = output == STANDARD_OUTPUT
-    if printed:
-        if kind is not ExportFormat.csv:
-            raise typer.BadParameter(
-                f"-o -: only CSV goes to standard output; {kind} is binary, and its readers move about in it:"
-                " name a file"
-            )
-        if force:
-            raise typer.BadParameter("--force replaces files; standard output is not a file")
+    if printed and kind is not ExportFormat.csv:
+        raise typer.BadParameter(f"-o -: only CSV goes to standard output; {kind} is binary: name a file")
+    if printed and force:
+        raise typer.BadParameter("--force replaces files; standard output is not a file")
     with open_run(file) as run, stoppable() as between:
         files = plan(run, kind.value, group and group.value, output)  # type: ignore[arg-type]  # one of three
         if printed:

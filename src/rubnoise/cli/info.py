@@ -40,42 +40,37 @@ def info(
     Example: rubnoise info fig5.h5
     """
     if is_folder(file):
-        show(_of_sweep(file, figures, over), as_json=as_json, as_csv=as_csv)
-        return
-    if figures is not None or over is not None:
-        raise typer.BadParameter("--figures and --over are for the folder of a sweep")
-    from rubnoise.api.run import Run
-    from rubnoise.storage.reader import open_run
-
-    with Run(open_run(file)) as run:
-        show(run_answer(run, file), as_json=as_json, as_csv=as_csv)
-
-
-def _of_sweep(folder: Path, figures: str | None, over: str | None) -> Answer:
-    if over is not None and figures is None:
-        raise typer.BadParameter("--over is for --figures")
-    with rubnoise.open_sweep(folder) as sweep:
+        if over is not None and figures is None:
+            raise typer.BadParameter("--over is for --figures")
         names = [] if figures is None else [name.strip() for name in figures.split(",")]
-        return sweep_answer(sweep, folder, estimates(sweep, names, over))
+        with rubnoise.open_sweep(file) as sweep:
+            answer = sweep_answer(sweep, file, estimates(sweep, names, over))
+    elif figures is not None or over is not None:
+        raise typer.BadParameter("--figures and --over are for the folder of a sweep")
+    else:
+        from rubnoise.api.run import Run
+        from rubnoise.storage.reader import open_run
+
+        with Run(open_run(file)) as run:
+            answer = run_answer(run, file)
+    show(answer, as_json=as_json, as_csv=as_csv)
 
 
 def run_answer(run: "Run", file: Path) -> Answer:
     """Return the content of a result file, the numbers that follow from its scenario, and its figures."""
     from rubnoise.cli.derivation import derived
 
-    known = derived(run.scenario, f"{file}: {run.attributes['title']}", warned=False)
-    heard, bands = _normal_motion(run)
-    figures = [replace(row, part="summary") for row in run.summary]
-    return replace(known, rows=(*_origin(run, file), *known.rows, *figures, *heard), tables=tuple(bands))
-
-
-def _origin(run: "Run", file: Path) -> Iterator[Row]:
-    """Yield where a file comes from, and its groups with the numbers of their rows."""
     told, origin = run.attributes, run.provenance
-    yield from rows("", ("source", told["source"]), ("format_version", told["format_version"]))
     names = ("command", "intervention", "seed", "started", "finished")
-    yield from rows("", *((name, origin.get(name)) for name in names), ("bytes", file.stat().st_size, "B"))
-    yield from rows("groups", *((name, len(each), "", ", ".join(each.names)) for name, each in run.groups().items()))
+    known = derived(run.scenario, f"{file}: {told['title']}", warned=False)
+    heard, bands = _normal_motion(run)
+    own = (
+        *rows("", *((name, told[name]) for name in ("source", "format_version"))),
+        *rows("", *((name, origin.get(name)) for name in names), ("bytes", file.stat().st_size, "B")),
+        *rows("groups", *((name, len(each), "", ", ".join(each.names)) for name, each in run.groups().items())),
+    )
+    figures = (replace(row, part="summary") for row in run.summary)
+    return replace(known, rows=(*own, *known.rows, *figures, *heard), tables=tuple(bands))
 
 
 def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
@@ -91,8 +86,8 @@ def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
         return [], []
     level = "level", heard.whole_level, "dB", "re 50 nm/s"
     told = list(rows("normal_velocity", ("velocity", heard.velocity, "um/s"), level))
-    columns = {"frequency": heard.frequency, "level": heard.level}
-    columns |= {} if heard.exact is None else {"exact": heard.exact}
+    columns = {"frequency": heard.frequency, "level": heard.level, "exact": heard.exact}
+    columns = {name: values for name, values in columns.items() if values is not None}
     return told, [Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "level": "dB", "exact": "dB"})]
 
 
@@ -112,8 +107,7 @@ def sweep_answer(sweep: "SweepResult", folder: Path, more: "list[Table]") -> Ans
     )
 
 
-MOST_FAILURES: Final = 20
-"""Failed runs that text shows."""
+_MOST_FAILURES: Final = 20  # that text shows
 
 
 def failures(sweep: "SweepResult") -> Iterator[Table]:
@@ -122,7 +116,7 @@ def failures(sweep: "SweepResult") -> Iterator[Table]:
         columns: dict[str, list[Any]] = {"run_id": [each.run_id for each in failed]}
         columns |= {key: [str(each.values[key]) for each in failed] for key in sweep.keys}
         columns |= {name: [getattr(each, name) for each in failed] for name in ("replicate", "reason")}
-        yield Table(name="failures", columns=columns, shown=range(min(len(failed), MOST_FAILURES)))
+        yield Table(name="failures", columns=columns, shown=range(min(len(failed), _MOST_FAILURES)))
 
 
 def runs_in_words(sweep: "SweepResult") -> str:
@@ -139,14 +133,19 @@ def estimates(sweep: "SweepResult", names: Sequence[str], over: str | None = Non
     """
     if unknown := [name for name in names if name not in sweep.figures]:
         raise Refused(f'"{unknown[0]}": no figure of this sweep; there are {", ".join(sweep.figures) or "none yet"}')
-    key, value = ("", None) if over is None else _swept_value(sweep, over)
+    key, _, text = (over or "").partition("=")
+    if over is not None and key not in sweep.keys:
+        raise Refused(f"--over {over}: not KEY=VALUE with a swept key; swept: {', '.join(sweep.keys)}")
+    written = {str(values.get(key)): values.get(key) for values in sweep.values}
+    if over is not None and text not in written:
+        raise Refused(f'--over {over}: no point has the value "{text}"; there are {", ".join(written)}')
     found = []
     for name in names:
         columns: dict[str, list[Any]] = {each: [str(values[each]) for values in sweep.values] for each in sweep.keys}
         columns |= _intervals("", sweep.estimates(name))
         if over is not None:
             try:
-                columns |= _intervals("ratio_", sweep.ratios(name, key, value))
+                columns |= _intervals("ratio_", sweep.ratios(name, key, written[text]))
             except ValueError as problem:
                 raise Refused(
                     f"--over {over}: {problem}, and all else as at another; keys that go side by side change together"
@@ -155,17 +154,6 @@ def estimates(sweep: "SweepResult", names: Sequence[str], over: str | None = Non
         units = dict.fromkeys(("value", "standard_error", "low", "high"), unit)
         found.append(Table(name=name, columns=columns, units=units))
     return found
-
-
-def _swept_value(sweep: "SweepResult", over: str) -> tuple[str, Any]:
-    """Return the key and the value, as written in the file, of KEY=VALUE."""
-    key, _, text = over.partition("=")
-    if key not in sweep.keys:
-        raise Refused(f"--over {over}: not KEY=VALUE with a swept key; swept: {', '.join(sweep.keys)}")
-    written = list(dict.fromkeys(str(values[key]) for values in sweep.values))
-    if text not in written:
-        raise Refused(f'--over {over}: no point has the value "{text}"; there are {", ".join(written)}')
-    return key, next(values[key] for values in sweep.values if str(values[key]) == text)
 
 
 def _intervals(prefix: str, estimates: "Sequence[PooledEstimate]") -> dict[str, list[Any]]:

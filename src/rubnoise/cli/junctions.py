@@ -1,10 +1,9 @@
 """`rubnoise junctions`: the rows of a result that meet a condition, or the life of one of them."""
 
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -17,21 +16,17 @@ from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
     from rubnoise.analysis.life import Life
-    from rubnoise.record.reader import Rows
-    from rubnoise.record.rows import JunctionState
+    from rubnoise.record.reader import Reader
     from rubnoise.storage.schema import Dataset
 
-ROWS_SHOWN = 20
-"""Rows printed as text by default."""
-
-SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
-"""Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others."""
+_ROWS_SHOWN: Final = 20  # as text by default
+_BRIEF: Final = {"junction", "birth_distance", "diameter", "max_area", "state"}  # what fits a terminal
 
 
 def junctions(
     file: ResultFile,
     number: Annotated[
-        str | None, argument("N", "Row number of one junction, from 0 in order of birth, to show its life.")
+        int | None, argument("N", "Row number of one junction, from 0 in order of birth, to show its life.")
     ] = None,
     picture: Annotated[
         Path | None, argument("FILE.png", "The png file of --plot; default: a name from RUN and N.")
@@ -76,48 +71,38 @@ def junctions(
         raise typer.BadParameter("--plot is for one junction: rubnoise junctions RUN.h5 N")
     if picture is not None and picture.suffix.lower() != ".png":
         raise typer.BadParameter(f"{picture} does not end in .png, which is what --plot draws")
-    row, brief = None if number is None else _row(number), not (as_csv or as_json)
+    brief = not (as_csv or as_json)
     with finished_run(file) as run:
-        if row is None:
-            head = ROWS_SHOWN if brief and head is None else head
-            answer, more = listed(run, where, sort, columns, reverse=reverse, head=head, brief=brief, as_csv=as_csv)
-            answer = replace(answer, title=f"{file}: {answer.title}")
-            show(answer if as_json else replace(answer, rows=()), as_json=as_json, as_csv=as_csv)
+        if number is None:
+            head = _ROWS_SHOWN if brief and head is None else head
+            answer, more = _listed(run, where, sort, columns, reverse, head, brief=brief, as_csv=as_csv)
+            show(replace(answer, rows=answer.rows if as_json else ()), as_json=as_json, as_csv=as_csv)
             if brief and more:
                 print(f"\n  and {more:,} more (--head N for more, --csv for all)")
-        elif plot:
+            return
+        life = life_of(run, number)
+        if plot:
             from rubnoise.figures.contact import draw_life
 
-            path = picture or Path(f"{file.stem}_junction{row}.png")
-            life = life_of(run, row)
+            path = picture or Path(f"{file.stem}_junction{number}.png")
             check_picture(path, force=force, reads=[file])
             write_picture(path, lambda: draw_life(life, printable(file.name)), force=force)
         else:
-            show(life_answer(life_of(run, row), file, as_csv=as_csv), as_json=as_json, as_csv=as_csv)
+            answer = _life_answer(life, file)
+            if as_csv:  # the curve alone, with the units in the names of its columns
+                curve = {f"{name}_{UNITS[name].replace('^', '')}": each for name, each in life.curve().items()}
+                answer = Answer(tables=(Table(name="curve", columns=curve),))
+            show(answer, as_json=as_json, as_csv=as_csv)
 
 
-def _row(number: str) -> int:
-    if number.startswith("-") and not re.fullmatch("-[0-9]+", number):
-        raise typer.BadParameter(f"no such option: {number}")
-    if not re.fullmatch("-?[0-9]{1,100}", number):
-        raise typer.BadParameter(f"{number} is no row number")
-    return int(number)
-
-
-# A list.
-
-BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
-"""Columns that fit a terminal; those of --where and --sort are added."""
-
-
-def listed(
-    run: "Rows",
+def _listed(
+    run: "Reader",
     where: str | None,
     sort: str | None,
     columns: str | None,
-    *,
     reverse: bool,
     head: int | None,
+    *,
     brief: bool,
     as_csv: bool,
 ) -> tuple[Answer, int]:
@@ -131,90 +116,80 @@ def listed(
     from rubnoise.storage.export import heading
     from rubnoise.storage.schema import JUNCTIONS
 
-    there = [column for column in JUNCTIONS.columns if column.name in run.columns["junctions"]]
-    tree = None if where is None else Condition(where, there)
-    by = None if sort is None else _column_named(sort.removeprefix("-"), "--sort", there).name
-    wanted = there if columns is None else _chosen_columns(columns, there)
-    if columns is None and brief:
-        shown = {*BRIEF, *(() if tree is None else tree.columns), by}
-        wanted = [column for column in there if column.name in shown]
-    descending = reverse != (sort is not None and sort.startswith("-"))
-    found, total = select(run, tree, sort=by, descending=descending, head=head)
-    chunks = list(gather(run, found, [column.name for column in wanted]))
-    cells = {}
-    for column in wanted:
-        values = [each for chunk in chunks for each in chunk[column.name].tolist()]
-        cells[heading(column) if as_csv else column.name] = values if as_csv else _cells(column.name, values)
+    there = {each.name: each for each in JUNCTIONS.columns if each.name in run.columns["junctions"]}
+    condition = None if where is None else Condition(where, [*there.values()])
+    by = None if sort is None else _known(sort.removeprefix("-"), "--sort", there)
+    descending = reverse != (sort or "").startswith("-")
+    names = [*there]
+    if columns is not None:
+        names = _chosen(columns, there)
+    elif brief:
+        wanted = _BRIEF | {by} | (set() if condition is None else condition.columns)
+        names = [name for name in there if name in wanted]
+    meets = None if condition is None else condition.chosen
+    found = select(run, meets, sort=by, descending=descending)
+    shown = found[:head]
+    cells = {name: values.tolist() for name, values in gather(run, shown, names).items()}
+    if as_csv:
+        cells = {heading(there[name]): values for name, values in cells.items()}
+    elif "state" in cells:
+        cells["state"] = [_state_names(value) for value in cells["state"]]
     table = Table(
         name="" if brief else "junctions",
         columns=cells,
-        units={column.name: column.units for column in wanted if column.units != "1"},
-        shown=None if found.size else (),
+        units={name: there[name].units for name in names if there[name].units != "1"},
+        shown=None if shown.size else (),
     )
     order, all_rows = f"-{by or 'junction'}" if descending else by, run.rows("junctions")
-    about = rows("", ("where", where), ("sort", order), ("rows", all_rows), ("matched", total))
-    title = f"{total:,} of {all_rows:,} junctions"
-    return Answer(title=title, rows=tuple(about), tables=(table,)), total - found.size
+    about = rows("", ("where", where), ("sort", order), ("rows", all_rows), ("matched", found.size))
+    title = f"{run.path}: {found.size:,} of {all_rows:,} junctions"
+    return Answer(title=title, rows=tuple(about), tables=(table,)), found.size - shown.size
 
 
-def _cells(name: str, values: list[Any]) -> list[Any]:
-    """Return the values of a column as JSON and text have them: states by name."""
-    if name != "state":
-        return values
-    from rubnoise.record.rows import JunctionState
-
-    return [state_names(JunctionState(value)) for value in values]
-
-
-def _chosen_columns(columns: str, there: "Sequence[Dataset]") -> "list[Dataset]":
+def _chosen(columns: str, there: "Mapping[str, Dataset]") -> list[str]:
     names = [name.strip() for name in columns.split(",")]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise Refused(f"--columns: {printable(twice) or 'nothing'} is named twice")
-    return [_column_named(name, "--columns", there) for name in names]
+    return [_known(name, "--columns", there) for name in names]
 
 
-def _column_named(name: str, option: str, there: "Sequence[Dataset]") -> "Dataset":
+def _known(name: str, option: str, there: "Mapping[str, Dataset]") -> str:
     from rubnoise.analysis.where import advice
 
-    found = next((column for column in there if column.name == name), None)
-    if found is None:
-        raise Refused(f"{option}: no column {printable(name)}; {advice(name, [column.name for column in there])}")
-    return found
+    if name not in there:
+        raise Refused(f"{option}: no column {printable(name)}; {advice(name, [*there])}")
+    return name
 
 
-# One life.
-
-
-def state_names(state: "JunctionState") -> list[str]:
+def _state_names(state: int) -> list[str]:
     """Return the names of a state's bits as the file has them, ``complete`` if there are none."""
-    return [str(bit.name).lower() for bit in state] or ["complete"]
+    from rubnoise.record.rows import JunctionState
+
+    return [str(bit.name).lower() for bit in JunctionState(state)] or ["complete"]
 
 
-def life_answer(life: "Life", file: Path, *, as_csv: bool = False) -> Answer:
-    """Return everything about a life: its row, the contact where its area is largest, and its curve.
-
-    ``as_csv``: the curve alone, with the units in the names of its columns.
-    """
-    curve = {name: values.tolist() for name, values in life.curve().items()}
-    if as_csv:
-        named = {f"{name}_{UNITS[name].replace('^', '')}": values for name, values in curve.items()}
-        return Answer(tables=(Table(name="curve", columns=named),))
-    of = ", ".join(name.replace("_", " ") for name in state_names(life.state))
+def _life_answer(life: "Life", file: Path) -> Answer:
+    """Return everything about a life: its row, the contact where its area is largest, and its curve."""
+    peak, states = life.peak, _state_names(life.state)
+    known = fields_of(peak, "distance time area real_contact_area area_share force friction_force force_share")
+    known["others_alive"] = peak.beside.rows.tolist()
+    notes = {"distance": _occasion(life), "others_alive": "row numbers"}
+    of = ", ".join(name.replace("_", " ") for name in states)
     return Answer(
         title=f"{file}: junction {life.number} of 0 to {life.rows - 1}, {of}",
-        rows=(*_row_of(life), *_peak(life)),
-        tables=(Table(name="curve", columns=curve, units=UNITS, shown=()),),
+        rows=(Row(part="junction", name="state", value=states), *_row_of(life), *named("peak", known, notes)),
+        tables=(Table(name="curve", columns=life.curve(), units=UNITS, shown=()),),
     )
 
 
 def _row_of(life: "Life") -> Iterator[Row]:
     """Yield the columns of its row that the run has, and where it reached its largest overlap."""
-    yield Row(part="junction", name="state", value=state_names(life.state))
     middle = life.mid_life_distance
+    half = None if middle is None else life.time(middle)
     for name, distance, time in (
         ("birth", life.birth_distance, life.birth_time),
-        ("mid_life", middle, None if middle is None else life.time(middle)),
+        ("mid_life", middle, None if half is None else float(half)),
         ("death", life.death_distance, life.death_time),
     ):
         after = ""
@@ -222,31 +197,13 @@ def _row_of(life: "Life") -> Iterator[Row]:
             yield Row(part="junction", name=f"{name}_distance", note="not reached")
         elif not 0.0 <= distance <= life.record_end:
             after = "before the start" if distance < 0.0 else "after the end"
-        yield from rows("junction", (f"{name}_distance", distance, "um", after), (f"{name}_time", _number(time), "s"))
+        yield from rows("junction", (f"{name}_distance", distance, "um", after), (f"{name}_time", time, "s"))
     yield from named("junction", fields_of(life, "life_distance diameter lateral_offset max_area shear_strength"))
 
 
-def _number(time: Any) -> float | None:
-    return None if time is None else float(time)
-
-
-def _peak(life: "Life") -> list[Row]:
-    """Return the contact where the area of this junction is largest, and who was alive there."""
-    known = {
-        "distance": life.peak_distance,
-        "time": _number(life.time(life.peak_distance)),
-        "area": life.peak_area,
-        **fields_of(life, "real_contact_area area_share"),
-        "force": life.peak_force,
-        **fields_of(life, "friction_force force_share"),
-        "others_alive": life.beside.rows.tolist(),
-    }
-    return named("peak", known, {"distance": _occasion(life), "others_alive": "row numbers"})
-
-
 def _occasion(life: "Life") -> str:
-    if life.peak_distance == life.mid_life_distance:
+    if life.peak.distance == life.mid_life_distance:
         return "mid-life"
-    if life.peak_distance == life.death_distance:
+    if life.peak.distance == life.death_distance:
         return "just before it was ended"
-    return f"largest in the record, at the {'end' if life.peak_distance == life.record_end else 'start'}"
+    return f"largest in the record, at the {'end' if life.peak.distance == life.record_end else 'start'}"

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from shutil import get_terminal_size
+from typing import TextIO
 
 from rubnoise.answer import Answer
 from rubnoise.answer import sentence as broken
@@ -31,18 +32,16 @@ def sentence(text: str, indent: str = "") -> str:
     return indent + text if terminal_width() is None else broken(text, width(), indent)
 
 
-def show(answer: Answer, *, as_json: bool = False, as_csv: bool = False) -> None:
-    """Print an answer as one JSON object, as CSV, or as text as wide as the terminal."""
+def show(answer: Answer, *, as_json: bool = False, as_csv: bool = False, to: TextIO | None = None) -> None:
+    """Print an answer as one JSON object, as CSV, or as text as wide as the terminal; ``to`` another stream."""
     if as_json:
-        print(json.dumps(answer.to_json(), allow_nan=False))
+        text = json.dumps(answer.to_json(), allow_nan=False)
+    elif as_csv:
+        text = answer.to_csv()
     else:
-        print(answer.to_csv() if as_csv else as_wide_text(answer))
-
-
-def as_wide_text(answer: Answer) -> str:
-    """Return an answer as text as wide as the terminal."""
-    title, *rest = answer.to_text(width(), terminal_width()).split("\n", 1)
-    return "\n".join([sentence(title), *rest])
+        title, *rest = answer.to_text(width(), terminal_width()).split("\n", 1)
+        text = "\n".join([sentence(title), *rest])
+    print(text, file=to)
 
 
 def write_texts(texts: Mapping[Path, str], *, force: bool) -> None:

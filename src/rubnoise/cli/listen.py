@@ -1,6 +1,7 @@
 """`rubnoise listen`: the motion of the slider as a sound file."""
 
 from contextlib import ExitStack
+from dataclasses import replace
 from enum import StrEnum
 from functools import partial
 from math import isfinite
@@ -12,7 +13,7 @@ import typer
 from rubnoise import __version__
 from rubnoise.answer import Answer, rows
 from rubnoise.cli.layout import show
-from rubnoise.cli.options import ReplaceFile, argument, option
+from rubnoise.cli.options import NewFile, ReplaceFile, argument, option, output
 from rubnoise.cli.progress import stoppable
 
 if TYPE_CHECKING:
@@ -27,19 +28,10 @@ Rate = StrEnum("Rate", {"CD": "44100", "VIDEO": "48000"})
 def listen(
     files: Annotated[list[Path], argument("RUN.h5", "Result files.")],
     *,
-    output: Annotated[
-        Path | None, option("WAV", "The file to write; default: RUN_WHAT.wav, in this folder.", "-o", "--output")
-    ] = None,
-    what: Annotated[
-        What, option("WHAT", "The sound: velocity, force, displacement, normal-velocity or load.")
-    ] = What.velocity,
+    output: Annotated[NewFile, output("WAV", "The file to write; default: RUN_WHAT.wav, in this folder.")] = None,
+    what: Annotated[What, option("WHAT", f"The sound: {', '.join(What)}.")] = What.velocity,
     speed_up: Annotated[
-        float | None,
-        option(
-            "X",
-            "Factor by which the sound is faster than the run; default: 1, of several runs an audible one.",
-            "--speed-up",
-        ),
+        float | None, option("X", "How much faster than the run; default: 1, of several runs what is audible.")
     ] = None,
     seconds: Annotated[float | None, option("S", "Length of the sound, from the start; default: all.")] = None,
     rate: Annotated[Rate, option("RATE", "Samples a second: 44100 or 48000.")] = Rate.VIDEO,
@@ -53,7 +45,7 @@ def listen(
 
     Example: rubnoise listen few.h5 many.h5 --speed-up 10
     """
-    from rubnoise.analysis.sound import Sound, audible, level_of, on_one_scale, samples_of
+    from rubnoise.analysis.sound import Sound, level_of
     from rubnoise.cli.loading import finished_run
     from rubnoise.storage.output import whole_file
     from rubnoise.storage.sound import check_length, write_wave
@@ -66,22 +58,28 @@ def listen(
     with ExitStack() as opened, stoppable() as between:
         runs = [opened.enter_context(finished_run(file)) for file in files]
         choose = partial(Sound.of, what=cast("Heard", what.value), rate=int(rate))
-        sounds = [choose(run, speed_up=speed_up or 1.0, seconds=None) for run in runs]
+        sounds = [choose(run, speed_up=speed_up or 1.0) for run in runs]
         paths = [output or Path(f"{sound.file.path.stem}_{sound.what}.wav") for sound in sounds]
         _check_paths(files, paths, force=force)
-        faster = speed_up or (audible(sounds[0], between) if len(sounds) > 1 else 1.0)
-        choose = partial(choose, speed_up=faster)
-        sounds = [choose(run, seconds=seconds) for run in runs]
-        shortest = min(sound.seconds for sound in sounds)
-        sounds = [sound if sound.seconds == shortest else choose(sound.file, seconds=shortest) for sound in sounds]
+        if speed_up is None and len(sounds) > 1:
+            heard = level_of(sounds[0]).hearing
+            faster = heard and heard.better(1.0)
+            sounds = [choose(run, speed_up=faster or 1.0) for run in runs]
+        shortest = seconds or min(sound.seconds for sound in sounds)
+        sounds = [sound.lasting(shortest) for sound in sounds]
         for sound in sounds:
             check_length(sound.samples)
-        levels = on_one_scale(level_of(sound, between) for sound in sounds)
-        for path, sound, level in zip(paths, sounds, levels, strict=True):
-            texts, pieces = wave_comments(sound, level), samples_of(sound, level, between)
+        levels = []
+        for sound in sounds:
+            between()
+            levels.append(level_of(sound))
+        largest = max(level.full_scale for level in levels)  # so that loudness compares runs
+        for path, sound, own in zip(paths, sounds, levels, strict=True):
+            level = replace(own, full_scale=largest)
+            pieces, texts = level.pieces(between), _wave_comments(sound, level)
             with whole_file(path, force=force) as part, part.open("w+b") as stream:
                 write_wave(stream, pieces, samples=sound.samples, rate=sound.rate, texts=texts)
-            show(sound_answer(path, sound, level, others=len(sounds) - 1))
+            show(_answer(path, sound, level, others=len(sounds) - 1))
 
 
 def _check_paths(files: list[Path], paths: list[Path], *, force: bool) -> None:
@@ -96,7 +94,7 @@ def _check_paths(files: list[Path], paths: list[Path], *, force: bool) -> None:
         check_output(path, force=force, reads=files)
 
 
-def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
+def _wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
     """Return the texts in a sound file: title, the scale of its samples, and the program that wrote it."""
     figures = {
         "quantity": sound.what,
@@ -114,28 +112,25 @@ def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
     }
 
 
-def sound_answer(path: Path, sound: "Sound", level: "Level", others: int = 0) -> Answer:
+def _answer(path: Path, sound: "Sound", level: "Level", others: int = 0) -> Answer:
     """Return the file that was written, its scale, and its audible part; ``others`` have the same scale."""
-    from rubnoise.analysis.sound import Hearing
     from rubnoise.storage.sound import BITS
 
     whose = "the loudest sample of all runs" if others else "the loudest sample"
-    rate = f"{sound.rate:,} samples a second of {BITS} bits"
-    hearing = None if level.spectrum is None else Hearing.of(level.spectrum)
-    begins = sound.first * sound.tick_duration or None
+    heard = level.hearing
     told = rows(
         "",
-        ("begins_at", begins, "s", "after the transient"),
+        ("begins_at", sound.first * sound.tick_duration or None, "s", "after the transient"),
         ("speed_up", sound.speed_up),
         ("full_scale", level.full_scale, sound.units, f"{whose} 3 dB below"),
         ("mean", level.mean, sound.units, "taken away"),
         ("natural_frequency", sound.natural, "Hz", f"heard at {(sound.natural or 0.0) * sound.speed_up:.4g} Hz"),
-        ("middle", hearing and hearing.middle, "Hz", "half of the power lies below"),
-        ("audible_share", hearing and hearing.audible, "", "20 Hz to 20 kHz"),
-        ("level", hearing and level.laptop, "dB", "re full scale, 200 to 4000 Hz: what a laptop plays"),
+        ("middle", heard and heard.middle, "Hz", "half of the power lies below"),
+        ("audible_share", heard and heard.audible, "", "20 Hz to 20 kHz"),
+        ("level", level.laptop, "dB", "re full scale, 200 to 4000 Hz: what a laptop plays"),
     )
-    title = f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}"
-    return Answer(title=title, rows=tuple(told), notes=_advice(hearing, sound.speed_up))
+    title = f"{path}: {sound.seconds:.6g} s of {sound.what}, {sound.rate:,} samples a second of {BITS} bits"
+    return Answer(title=title, rows=tuple(told), notes=_advice(heard, sound.speed_up))
 
 
 def _advice(hearing: "Hearing | None", speed_up: float) -> tuple[str, ...]:

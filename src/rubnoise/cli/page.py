@@ -11,7 +11,7 @@ import typer
 import rubnoise
 from rubnoise.answer import size
 from rubnoise.cli.layout import sentence, write_texts
-from rubnoise.cli.options import ReplaceFile, StretchEnd, StretchStart, argument, option
+from rubnoise.cli.options import NewFile, ReplaceFile, StretchEnd, StretchStart, argument, option, output
 from rubnoise.cli.plot import distance
 from rubnoise.regular_file import is_folder
 
@@ -33,21 +33,10 @@ def page(
     *,
     form: Annotated[
         PageForm | None,
-        option(
-            "FORM",
-            "view (to explore; default of a result), report (to send and print), or lesson (for a class).",
-            "--as",
-            show_choices=False,
-        ),
+        option("FORM", "view (to explore; default of a result), report (to send), or lesson (for a class).", "--as"),
     ] = None,
     output: Annotated[
-        Path | None,
-        option(
-            "OUT.html",
-            "The page to write; default: RUN.html, RUN_report.html or lesson.html, in this folder.",
-            "-o",
-            "--output",
-        ),
+        NewFile, output("OUT.html", "The page to write; default: RUN.html, RUN_report.html or lesson.html, here.")
     ] = None,
     start: StretchStart = None,
     stop: StretchEnd = None,
@@ -59,34 +48,23 @@ def page(
 
     Example: rubnoise page fig5.h5 --from 1mm --to 2mm
     """
+    from rubnoise.cli.loading import is_result
     from rubnoise.storage.output import check_output
 
     sources = files or []
-    wanted = form or _usual_form(sources)
+    runs = (is_folder(each) or is_result(each) or each.suffix.lower() == ".h5" for each in sources)
+    wanted = form or (PageForm.view if sources and all(runs) else PageForm.lesson)
     ends = distance("--from", start), distance("--to", stop)
     _check(sources, wanted, ends)
-    path = output or Path(_usual_name(sources, wanted))
+    stem = "_".join(Path(realpath(each)).stem for each in sources)
+    usual = {PageForm.view: f"{stem}.html", PageForm.report: f"{stem}_report.html", PageForm.lesson: "lesson.html"}
+    path = output or Path(usual[wanted])
     if path.suffix.lower() not in {".html", ".htm"}:
         raise typer.BadParameter(f"{path} does not end in .html")
     check_output(path, force=force, reads=sources)
     text, what = _written(sources, wanted, ends)
     write_texts({path: text}, force=force)
     print(sentence(f"{path}: {what}{size(path.stat().st_size)}; a browser opens it, with or without a network"))
-
-
-def _usual_form(sources: Sequence[Path]) -> PageForm:
-    """Return the default form of a page: a lesson of a scenario, a view of results and sweeps."""
-    from rubnoise.cli.loading import is_result
-
-    runs = (is_folder(each) or is_result(each) or each.suffix.lower() == ".h5" for each in sources)
-    return PageForm.view if sources and all(runs) else PageForm.lesson
-
-
-def _usual_name(sources: Sequence[Path], form: PageForm) -> str:
-    if form == PageForm.lesson:
-        return "lesson.html"
-    name = "_".join(Path(realpath(each)).stem for each in sources)
-    return f"{name}_report.html" if form == PageForm.report else f"{name}.html"
 
 
 def _check(sources: Sequence[Path], form: PageForm, ends: Ends) -> None:

@@ -4,9 +4,9 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from functools import cache, wraps
+from functools import cache
 from types import FrameType
-from typing import Final, ParamSpec
+from typing import Final
 
 from rubnoise.errors import RunStopped
 
@@ -16,10 +16,26 @@ Bar = Callable[[float, float | None, str], None]
 
 @contextmanager
 def bar(words: str = "", *, shown: bool) -> Iterator[Bar]:
-    """Yield a bar with its first words on standard error, which goes at the end; it shows nothing unless ``shown``."""
-    if not shown:
-        yield lambda *_: None
-        return
+    """Yield a bar with its first words on standard error, which goes at the end; it shows nothing unless ``shown``.
+
+    Signals are caught from its first call on, and obeyed at its next call.
+    """
+    with ExitStack() as stack:
+        show = stack.enter_context(_drawn(words)) if shown else None
+        between: list[Callable[[], None]] = []
+
+        def watched(done: float, whole: float | None, words: str) -> None:
+            if not between:
+                between.append(stack.enter_context(stoppable()))
+            between[0]()
+            if show is not None:
+                show(done, whole, words)
+
+        yield watched
+
+
+@contextmanager
+def _drawn(words: str) -> Iterator[Bar]:
     from rich.console import Console
     from rich.markup import escape
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
@@ -29,41 +45,16 @@ def bar(words: str = "", *, shown: bool) -> Iterator[Bar]:
     console = Console(file=getattr(sys.stderr, "beneath", sys.stderr))
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(words, total=None)
-
-        def show(done: float, whole: float | None, words: str) -> None:
-            progress.update(task, completed=done, total=whole, description=escape(words))
-
-        yield show
+        yield lambda done, whole, words: progress.update(task, completed=done, total=whole, description=escape(words))
 
 
-@contextmanager
-def stoppable_bar(words: str = "", *, shown: bool) -> Iterator[Bar]:
-    """Yield a bar that signals stop: they are caught from its first call on, and obeyed at its next call."""
-    with ExitStack() as stack, bar(words, shown=shown) as show:
-        between: list[Callable[[], None]] = []
-
-        def watched(done: float, whole: float | None, words: str) -> None:
-            if not between:
-                between.append(stack.enter_context(stoppable()))
-            between[0]()
-            show(done, whole, words)
-
-        yield watched
-
-
-def announce_compilation() -> None:
-    """Print a message, once, when this process begins to compile kernels without kept machine code."""
-    from rubnoise.compiling import before_compiling
-
-    before_compiling(_say_compiling)
-
-
-def announce_compilation_by_workers() -> None:
-    """Print a message that workers will compile the kernels, if their machine code is not kept yet."""
-    from rubnoise.compiling import is_kept
+def announce_compilation(*, by_workers: bool = False) -> None:
+    """Print a message, once, when this process begins to compile kernels, or if workers will: no code is kept then."""
+    from rubnoise.compiling import before_compiling, is_kept
     from rubnoise.simulation.kernel import add_areas
 
-    if not is_kept(add_areas):
+    before_compiling(_say_compiling)
+    if by_workers and not is_kept(add_areas):
         _say_compiling()
 
 
@@ -73,28 +64,6 @@ def _say_compiling() -> None:
 
 
 SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
-
-Given = ParamSpec("Given")
-
-
-def interrupted_at_once(command: Callable[Given, None]) -> Callable[Given, None]:
-    """Let SIGINT end the process directly as long as a command has made no file.
-
-    Python's own way, an exception at any place, gets lost in libraries that are being loaded.
-    """
-
-    @wraps(command)
-    def called(*given: Given.args, **named: Given.kwargs) -> None:
-        if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-            command(*given, **named)
-            return
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-        try:
-            command(*given, **named)
-        finally:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
-
-    return called
 
 
 @contextmanager

@@ -13,14 +13,20 @@ import typer
 
 import rubnoise
 from rubnoise.answer import Answer, Table, rows, size
-from rubnoise.cli.layout import as_wide_text, sentence, show
-from rubnoise.cli.options import AsCsv, AsJson, EngineName, Quiet, ReplaceResult, argument, flag, option
-from rubnoise.cli.progress import (
-    announce_compilation,
-    announce_compilation_by_workers,
-    interrupted_at_once,
-    stoppable_bar,
+from rubnoise.cli.layout import sentence, show
+from rubnoise.cli.options import (
+    AsCsv,
+    AsJson,
+    Changes,
+    EngineName,
+    Quiet,
+    ReplaceResult,
+    argument,
+    flag,
+    option,
+    output,
 )
+from rubnoise.cli.progress import announce_compilation, bar
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -29,18 +35,12 @@ if TYPE_CHECKING:
     from rubnoise.scenario.sweep import Sweep
 
 
-@interrupted_at_once
 def run(
     file: Annotated[Path, argument("FILE", "The scenario, a TOML file; - is standard input.")],
     *,
-    output: Annotated[
-        Path | None,
-        option("OUT.h5", "The result file; default: FILE's name with .h5, in this folder.", "-o", "--output"),
-    ] = None,
+    output: Annotated[Path | None, output("OUT.h5", "The result file; default: FILE's name with .h5, here.")] = None,
     seed: Annotated[int | None, option("N", "Seed of the random streams, instead of the file's.")] = None,
-    changes: Annotated[
-        list[str] | None, option("KEY=VALUE", "Change a key, e.g. --set sliding.distance=5mm.", "--set")
-    ] = None,
+    changes: Changes = None,
     engine: EngineName = None,
     force: ReplaceResult = False,
     dry_run: Annotated[bool, flag("Check everything, run nothing, write nothing.", "--dry-run")] = False,
@@ -85,7 +85,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, quiet: bool) -> Answe
         announce_compilation()
     began, compiling = time.monotonic(), TimingListener()  # type: ignore[no-untyped-call]
     distance, shown = scenario.model().distance, sys.stderr.isatty() and not quiet
-    with stoppable_bar("counting the births", shown=shown) as show_bar, install_listener("numba:compile", compiling):
+    with bar("counting the births", shown=shown) as show_bar, install_listener("numba:compile", compiling):
 
         def watch(reached: float, junctions: int, live: int) -> None:
             words = f"{reached / 1000.0:.6g} of {distance / 1000.0:.6g} mm, {junctions:,} junctions, {live:,} alive"
@@ -121,10 +121,7 @@ def _forecast(scenario: "Scenario", path: Path) -> Answer:
 def program() -> str:
     """Return what a shell calls this program: rubnoise where that finds it, else its path."""
     own = Path(sys.argv[0])
-    found = which("rubnoise")
-    if found is None and own.name == "rubnoise":
-        return quote(os.path.relpath(own))
-    return "rubnoise"
+    return quote(os.path.relpath(own)) if which("rubnoise") is None and own.name == "rubnoise" else "rubnoise"
 
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
@@ -143,23 +140,16 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     return doubts
 
 
-@interrupted_at_once
 def sweep(
     file: Annotated[Path, argument("FILE", "A file with a table [sweep], or one run's for --over.")],
     *,
-    folder: Annotated[
-        Path | None, option("DIR", "The folder; default: FILE's name without .toml, in this folder.", "-o", "--output")
-    ] = None,
-    jobs: Annotated[
-        int | None, option("N", "Number of processes; default: the number of processors.", "--jobs", "-j")
-    ] = None,
+    folder: Annotated[Path | None, output("DIR", "The folder; default: FILE's name without .toml, here.")] = None,
+    jobs: Annotated[int | None, option("N", "Number of processes; default: of processors.", "--jobs", "-j")] = None,
     cluster: Annotated[str | None, option("ADDRESS", "A Dask scheduler: its address or its scheduler file.")] = None,
     shard: Annotated[
         str | None, option("I/N", "Make only one of several parts, e.g. 2/8 for a task of a batch queue.")
     ] = None,
-    changes: Annotated[
-        list[str] | None, option("KEY=VALUE", "Change a key, e.g. --set sweep.replicates=40.", "--set")
-    ] = None,
+    changes: Changes = None,
     over: Annotated[
         list[str] | None, option("KEY=V,V", "Values of a key, e.g. --over sliding.speed=5,10,20mm/s.")
     ] = None,
@@ -188,8 +178,8 @@ def sweep(
     place = Path(file.stem) if folder is None else folder
     quiet = quiet or as_json or as_csv
     if not quiet:
-        announce_compilation_by_workers()
-    with stoppable_bar(shown=sys.stderr.isatty() and not quiet) as show_bar:
+        announce_compilation(by_workers=True)
+    with bar(shown=sys.stderr.isatty() and not quiet) as show_bar:
 
         def watch(progress: "SweepProgress") -> None:
             ended = progress.done + progress.failed
@@ -207,24 +197,23 @@ def sweep(
             watch=watch,
         )
     result = open_sweep(place)
-    answer = replace(
-        sweep_answer(result, place, short_of_precision(asked, imprecise)),
-        title=f"{place}: {len(asked.cases):,} points, {runs_in_words(result)}",
-        notes=tuple(f"warning: {warning}" for warning in asked.warnings),
-    )
+    failed, short = list(failures(result)), _short_of_precision(asked, imprecise)
+    title = f"{place}: {len(asked.cases):,} points, {runs_in_words(result)}"
+    notes = tuple(f"warning: {warning}" for warning in asked.warnings)
     if as_json or as_csv:
-        show(answer, as_json=as_json, as_csv=as_csv)
+        whole = replace(sweep_answer(result, place, short), title=title, notes=notes)
+        show(whole, as_json=as_json, as_csv=as_csv)
     elif not quiet:
-        print(as_wide_text(replace(answer, rows=(), tables=answer.tables[1:] if result.failures else answer.tables)))
-    if result.failures and not as_json:
+        show(Answer(title=title, tables=tuple(short), notes=notes))
+    if failed and not as_json:
         count = len(result.failures)
         told = f"{count:,} {'run' if count == 1 else 'runs'} failed; the same command tries again"
-        print(as_wide_text(Answer(title=told, tables=tuple(failures(result)))), file=sys.stderr)
-    if result.failures:
+        show(Answer(title=told, tables=tuple(failed)), to=sys.stderr)
+    if failed:
         raise typer.Exit(1)
 
 
-def short_of_precision(sweep: "Sweep", imprecise: "list[Unmet]") -> list[Table]:
+def _short_of_precision(sweep: "Sweep", imprecise: "list[Unmet]") -> list[Table]:
     """Return a table of the points that are short of the requested precision; none if there are none."""
     columns: dict[str, list[Any]] = {key: [str(unmet.values[key]) for unmet in imprecise] for key in sweep.keys}
     columns["replicates"] = [unmet.replicates for unmet in imprecise]

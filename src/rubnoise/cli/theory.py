@@ -10,6 +10,8 @@ from rubnoise.cli.options import AsCsv, AsJson, Changes, ReplacePlot, argument, 
 from rubnoise.cli.plot import check_picture, check_plot, write_picture
 from rubnoise.errors import Refused
 
+Numbers = list[str] | None
+
 
 def theory(
     file: Annotated[Path, argument("FILE", "A scenario file, or a result.")],
@@ -18,16 +20,12 @@ def theory(
     ] = None,
     *,
     changes: Changes = None,
-    wavenumbers: Annotated[
-        list[str] | None, option("K,...", "Wavenumbers of the spectrum, in rad/um.", "--at-wavenumber")
-    ] = None,
-    lags: Annotated[list[str] | None, option("S,...", "Lags of the autocovariance, in um.", "--at-lag")] = None,
-    areas: Annotated[list[str] | None, option("A,...", "Areas of the distribution, in um^2.", "--at-area")] = None,
-    distances: Annotated[
-        list[str] | None, option("S,...", "Distances for the means after an empty start, in um.", "--at-distance")
-    ] = None,
+    at_wavenumber: Annotated[Numbers, option("K,...", "Wavenumbers of the spectrum, in rad/um.")] = None,
+    at_lag: Annotated[Numbers, option("S,...", "Lags of the autocovariance, in um.")] = None,
+    at_area: Annotated[Numbers, option("A,...", "Areas of the distribution, in um^2.")] = None,
+    at_distance: Annotated[Numbers, option("S,...", "Distances for the means after an empty start, in um.")] = None,
     segment: Annotated[
-        int | None, option("N", "Add the expected result of Welch's method with segments of N ticks.", "--segment")
+        int | None, option("N", "Add the expected result of Welch's method with segments of N ticks.")
     ] = None,
     white: Annotated[bool, flag("Add white noise of the same level at low frequency (Kilburn).", "--white")] = False,
     as_json: AsJson = False,
@@ -47,23 +45,24 @@ def theory(
     from rubnoise.cli.loading import scenario_or_result
     from rubnoise.cli.theory_answer import places, theory_answer
 
+    given = {"wavenumber": at_wavenumber, "lag": at_lag, "area": at_area, "distance": at_distance}
+    asked = any(given.values()) or segment is not None or white
     check_plot(picture, plot=plot, printed=as_csv or as_json, force=force)
-    points_given = bool(wavenumbers or lags or areas or distances or segment is not None or white)
-    if plot and points_given:
+    if plot and asked:
         raise typer.BadParameter("--plot draws curves; points are for numbers")
     picture = picture or Path(f"{file.stem}_theory.png")
     if plot:
         check_picture(picture, force=force, reads=[file])
     scenario = scenario_or_result(file, changes or (), quiet=as_json)
     model = scenario.model()
-    if (plot or points_given) and model.slider is not None and model.slider.excitation == "velocity-weakening":
+    if (plot or asked) and model.slider is not None and model.slider.excitation == "velocity-weakening":
         raise Refused(f"{file}: a force that falls with speed has no noise, so there are no curves of it")
     if plot:
         from rubnoise.figures.theory import theory_figure
 
         write_picture(picture, lambda: theory_figure(model, file.name), force=force)
         return
-    at = places({"wavenumber": wavenumbers, "lag": lags, "area": areas, "distance": distances})
     title = f"{file}: {scenario.title}".removesuffix(": ")
-    answer = theory_answer(title, model, at, brief=not (as_csv or as_json), segment=segment, white=white)
+    at, brief = places(given), not (as_csv or as_json)
+    answer = theory_answer(title, model, at, brief=brief, segment=segment, white=white)
     show(answer, as_json=as_json, as_csv=as_csv)

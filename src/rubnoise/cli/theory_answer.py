@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations_with_replacement
-from math import isfinite
+from math import isfinite, nan
 from typing import Any, Final
 
 import numpy as np
@@ -19,28 +19,25 @@ from rubnoise.model import Model
 from rubnoise.theory.ancestors import velocity_weakening, white_noise
 from rubnoise.theory.coupling import third_octaves
 from rubnoise.theory.exact import Exact, exact
-from rubnoise.theory.moments import area_cumulants, distribution, force_cumulants
+from rubnoise.theory.moments import area_cumulants, force_cumulants
 from rubnoise.theory.motion import response
-from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach, spectral_density
+from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach
 from rubnoise.theory.sizes import longest_life
 
-LONGEST_SHOWN: Final = 40
-FEW: Final = 8
-MANY: Final = 241
-"""Steps between points by default: on a terminal, and for everything else."""
+_FEW, _MANY = 8, 241  # steps between points by default: on a terminal, and for everything else
+_LITTLE, _NOTHING = 1e-3, 1e-9  # parts of the variance at which lags end, likewise
+_REACH: Final = 6.0  # standard deviations from the mean to which areas reach by default
+_MOST_LINES, _LINES_SHOWN, _BINS_SHOWN = 64, 6, 8  # spectral lines in an answer and in text, bins of an estimate there
+_CONVENTION: Final = (
+    "two-sided, um^4 per rad/um: R(lag) = 1/(2 pi) * integral of S(k) exp(i k lag) dk over k from -inf to inf"
+)
 
-LITTLE, NOTHING = 1e-3, 1e-9
-"""Parts of the variance at which lags end."""
-
-REACH: Final = 6.0
-"""How many standard deviations from the mean the areas reach by default."""
+At = Mapping[str, Doubles]  # places by wavenumber (rad/um), lag (um), area (um^2) and distance (um)
+Part = Iterator[Row | Table]  # some rows and tables of the answer
 
 
-def places(given: Mapping[str, Sequence[str] | None]) -> dict[str, Doubles]:
-    """Return the places that options name: by wavenumber (rad/um), lag (um), area (um^2) and distance (um).
-
-    Raises Refused, naming option and value, if a number is not finite.
-    """
+def places(given: Mapping[str, Sequence[str] | None]) -> At:
+    """Return the places that options name; raises Refused, naming option and value, if a number is not finite."""
     return {
         name: np.array([_number(f"--at-{name}", part.strip()) for text in texts for part in text.split(",")])
         for name, texts in given.items()
@@ -49,35 +46,34 @@ def places(given: Mapping[str, Sequence[str] | None]) -> dict[str, Doubles]:
 
 
 def _number(option: str, text: str) -> float:
-    if not NUMBER.fullmatch(text):
-        shown = f'"{printable(text[:LONGEST_SHOWN])}" is no finite number' if text else "a number is missing"
-        raise Refused(f"{option}: {shown}; right form: {option} 0.5,1,2e3")
-    value = float(text)
+    value = float(text) if NUMBER.fullmatch(text) else nan
     if not isfinite(value):
-        raise Refused(f"{option}: {text[:LONGEST_SHOWN]} is beyond the largest number there is")
+        shown = f'"{printable(text[:40])}" is no finite number' if text else "a number is missing"
+        raise Refused(f"{option}: {shown}; right form: {option} 0.5,1,2e3")
     return value
 
 
-def _usual_places(model: Model, *, brief: bool) -> dict[str, Doubles]:
+def _usual_places(theory: Exact, *, brief: bool) -> dict[str, Doubles]:
     """Return wavenumbers far to both sides of the corner, lags to the end of all correlation, areas about the mean.
 
     Wavenumbers are even in their logarithm; brief ones are few and round.
     """
-    unit, area = 1.0 / model.mean_life_distance, area_cumulants(model)
+    unit, area = 1.0 / theory.model.mean_life_distance, theory.area
+    reach = covariance_reach(theory.model, _LITTLE if brief else _NOTHING)
     if brief:
         step = _rounded(0.75 * area.std) or area.mean
-        around = step * (np.round(area.mean / step) + np.arange(FEW + 1.0) - FEW // 2)
+        around = step * (np.round(area.mean / step) + np.arange(_FEW + 1.0) - _FEW // 2)
         factors = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
         return {
             "wavenumber": np.array([0.0, *(_rounded(unit * factor) for factor in factors)]),
-            "lag": _rounded(covariance_reach(model, LITTLE) / FEW) * np.arange(FEW + 1, dtype=np.float64),
+            "lag": _rounded(reach / _FEW) * np.arange(_FEW + 1, dtype=np.float64),
             "area": around[around >= 0.0],
         }
-    lowest, highest = max(0.0, area.mean - REACH * area.std), area.mean + REACH * area.std
+    lowest, highest = max(0.0, area.mean - _REACH * area.std), area.mean + _REACH * area.std
     return {
-        "wavenumber": np.concatenate([np.zeros(1), unit * np.geomspace(0.01, 1e4, MANY)]),
-        "lag": np.linspace(0.0, covariance_reach(model, NOTHING), MANY),
-        "area": np.unique(np.linspace(lowest, highest, MANY)),
+        "wavenumber": np.concatenate([np.zeros(1), unit * np.geomspace(0.01, 1e4, _MANY)]),
+        "lag": np.linspace(0.0, reach, _MANY),
+        "area": np.unique(np.linspace(lowest, highest, _MANY)),
     }
 
 
@@ -85,18 +81,8 @@ def _rounded(value: float) -> float:
     return float(f"{value * (1.0 + 1e-9):.1g}")  # a half goes up, whatever its last bit
 
 
-CONVENTION: Final = (
-    "two-sided, um^4 per rad/um: R(lag) = 1/(2 pi) * integral of S(k) exp(i k lag) dk over k from -inf to inf"
-)
-
-MOST_LINES: Final = 64
-LINES_SHOWN: Final = 6
-BINS_SHOWN: Final = 8
-"""Spectral lines in an answer, and how many of them and of the bins of an estimate text shows."""
-
-
 def theory_answer(
-    title: str, model: Model, at: Mapping[str, Doubles], *, brief: bool, segment: int | None = None, white: bool = False
+    title: str, model: Model, at: At, *, brief: bool, segment: int | None = None, white: bool = False
 ) -> Answer:
     """Return moments, and spectrum, autocovariance, distribution and the rest at places, by default some that suit.
 
@@ -109,27 +95,28 @@ def theory_answer(
         known = {"mean_force": force_cumulants(model).mean} | velocity_weakening(model)
         return Answer(title=title, rows=tuple(named("velocity_weakening", known)))
     theory = exact(model)
-    found = [*_moments(theory), *motion_rows(theory)]
-    found += [*load_rows(theory), *_covariances(theory)] if model.held is not None else []
-    found += _other_models(model, white=white)
-    tables, shown_at = [_cumulants(theory), *_third_octaves(theory)], _usual_places(model, brief=brief) | dict(at)
-    # The square of a far point may overflow: what is left there is 0.
-    with np.errstate(over="ignore", under="ignore", divide="ignore"):
-        for more_rows, table in (
-            *_at(model, shown_at),
-            *_distribution(model, shown_at, asked="area" in at),
+    usual = _usual_places(theory, brief=brief)
+    with np.errstate(over="ignore", under="ignore", divide="ignore"):  # the square of a far point, where 0 is left
+        found = [
+            *_moments(theory),
+            *_motions(theory, white=white),
+            *_curves(theory, usual | dict(at)),
+            *_distribution(theory, at.get("area"), usual["area"]),
             *_estimated(theory, segment),
-            *_from_empty(theory, at.get("distance"), FEW if brief else MANY - 1),
-        ):
-            found += more_rows
-            tables.append(table)
+            *_from_empty(theory, at.get("distance"), _FEW if brief else _MANY - 1),
+        ]
     notes = [f"warning: {warning}" for warning in motion_warnings(theory)]
     notes += [ONE_WAY_ALONE] if model.is_two_way else []
-    notes += load_notes(theory) if model.held is not None else []
-    return Answer(title=title, rows=tuple(found), tables=tuple(tables), notes=tuple(notes))
+    return Answer(
+        title=title,
+        rows=tuple(each for each in found if isinstance(each, Row)),
+        tables=tuple(each for each in found if isinstance(each, Table)),
+        notes=(*notes, *load_notes(theory)),
+    )
 
 
-def _moments(theory: Exact) -> Iterator[Row]:
+def _moments(theory: Exact) -> Part:
+    """Yield the moments of diameters, count, area and force, and the cumulants of area and force."""
     held = "" if theory.free is None else "at constant separation"
     yield from rows(
         "diameter",
@@ -138,77 +125,66 @@ def _moments(theory: Exact) -> Iterator[Row]:
         ("length_biased_mean", theory.length_biased_mean_diameter, "um"),
     )
     yield from rows("count", ("mean", theory.count_mean, "", held), ("variance", theory.count_variance, "", held))
+    orders: dict[str, Any] = {"order": list(range(1, len(theory.area.values) + 1))}
     for part, found, unit in (("area", theory.area, "um^2"), ("force", theory.force, "uN")):
         if found is not None:
-            yield from rows(part, ("mean", found.mean, unit, held), ("std", found.std, unit, held))
-            shapes = ("skewness", found.skewness, "", held), ("excess_kurtosis", found.excess_kurtosis, "", held)
-            yield from rows(part, *shapes)
+            units = {"mean": unit, "std": unit, "skewness": "", "excess_kurtosis": ""}
+            yield from rows(part, *((name, getattr(found, name), units[name], held) for name in units))
+            orders[part] = list(found.values)
+    yield Table(name="cumulants", columns=orders)  # in powers of their units
 
 
-def _cumulants(theory: Exact) -> Table:
-    """Return the cumulants of area and force, in powers of their units."""
-    known = {"area": theory.area, "force": theory.force}
-    columns = {name: list(found.values) for name, found in known.items() if found is not None}
-    return Table(name="cumulants", columns={"order": list(range(1, len(columns["area"]) + 1)), **columns})
-
-
-def _covariances(theory: Exact) -> Iterator[Row]:
-    """Yield the covariances at one time of what moves under a load that weighs."""
-    if theory.free is None and theory.load is not None:
-        found = theory.load.covariances
+def _motions(theory: Exact, *, white: bool) -> Part:
+    """Yield the motion of a slider, that under a load that weighs, and what older models make of it."""
+    yield from motion_rows(theory)
+    if theory.model.held is not None:
+        yield from load_rows(theory)
+    if theory.load is not None:
+        found = theory.load.covariances  # at one time
         for one, other in combinations_with_replacement(dict.fromkeys(one for one, _ in found), 2):
             unit = f"{UNITS[one]}*{UNITS[other]}"
             yield Row(part="load_covariances", name=f"{one}*{other}", value=found[one, other], unit=unit)
-
-
-def _third_octaves(theory: Exact) -> Iterator[Table]:
-    if theory.free is None and theory.load is not None:
         yield Table(name="third_octaves", columns=third_octaves(theory.model), units=UNITS | {"level": "dB"})
-
-
-def _other_models(model: Model, *, white: bool) -> Iterator[Row]:
-    """Yield the values of an older model, instead of or beside the contact's own force."""
-    if model.slider is not None and model.slider.excitation == "base":
+    if theory.model.slider is not None and theory.model.slider.excitation == "base":
         # Of other pulses too: the base is made of triangles of the same diameters (Rice and Moslehy).
-        triangles = replace(model, pulse=TRIANGLE)
-        motion, area = response(triangles), area_cumulants(triangles)
-        lift = {"base_mean": model.base_per_area * area.mean, "base_std": model.base_per_area * area.std}
-        yield from named("base_excitation", lift | fields_of(motion, "displacement_std velocity_std"))
+        triangles = replace(theory.model, pulse=TRIANGLE)
+        motion, area, lift = response(triangles), area_cumulants(triangles), triangles.base_per_area
+        known = {"base_mean": lift * area.mean, "base_std": lift * area.std}
+        yield from named("base_excitation", known | fields_of(motion, "displacement_std velocity_std"))
     if white:  # of the same level at low frequency (Kilburn)
-        yield from named("white_noise", white_noise(model))
+        yield from named("white_noise", white_noise(theory.model))
 
 
-Curve = tuple[Sequence[Row], Table]
-"""A curve, and numbers that belong to it."""
-
-
-def _at(model: Model, at: Mapping[str, Doubles]) -> Iterator[Curve]:
+def _curves(theory: Exact, at: At) -> Part:
+    """Yield spectrum and autocovariance of the area."""
     units = UNITS | {"density": "um^4/(rad/um)", "power": "um^4", "value": "um^4"}
     wavenumbers, lags = at["wavenumber"], at["lag"]
-    columns: dict[str, Any] = {"wavenumber": wavenumbers, "density": spectral_density(model, wavenumbers)}
-    convention = Row(part="spectrum", name="convention", value=CONVENTION)
-    yield [convention], Table(name="spectrum", columns=columns, units=units)
-    wavenumber, power = area_noise(model).lines
+    yield Row(part="spectrum", name="convention", value=_CONVENTION)
+    columns = {"wavenumber": wavenumbers, "density": theory.spectral_density(wavenumbers)}
+    yield Table(name="spectrum", columns=columns, units=units)
+    wavenumber, power = area_noise(theory.model).lines
     if power.size:  # the first lines of regular births
-        columns = {"wavenumber": wavenumber[:MOST_LINES], "power": power[:MOST_LINES]}
-        shown = range(min(power.size, LINES_SHOWN))
-        yield [], Table(name="spectral_lines", columns=columns, units=units, shown=shown)
-    yield [], Table(name="autocovariance", columns={"lag": lags, "value": autocovariance(model, lags)}, units=units)
+        columns = {"wavenumber": wavenumber[:_MOST_LINES], "power": power[:_MOST_LINES]}
+        shown = range(min(power.size, _LINES_SHOWN))
+        yield Table(name="spectral_lines", columns=columns, units=units, shown=shown)
+    columns = {"lag": lags, "value": autocovariance(theory.model, lags)}
+    yield Table(name="autocovariance", columns=columns, units=units)
 
 
-def _distribution(model: Model, at: Mapping[str, Doubles], *, asked: bool) -> Iterator[Curve]:
+def _distribution(theory: Exact, asked: Doubles | None, usual: Doubles) -> Part:
     try:
-        law = distribution(model)
+        law = theory.distribution()
     except Refused as refusal:
-        if asked:
+        if asked is not None:
             raise Refused(f"--at-area: {refusal}") from refusal
         return
-    columns = {"area": at["area"], "density": law.density(at["area"]), "cdf": law.cdf(at["area"])}
-    atom = Row(part="distribution", name="atom_at_zero", value=float(law.atom_at_zero))
-    yield [atom], Table(name="distribution", columns=columns, units=UNITS | {"density": "1/um^2"})
+    area = usual if asked is None else asked
+    yield Row(part="distribution", name="atom_at_zero", value=float(law.atom_at_zero))
+    columns = {"area": area, "density": law.density(area), "cdf": law.cdf(area)}
+    yield Table(name="distribution", columns=columns, units=UNITS | {"density": "1/um^2"})
 
 
-def _estimated(theory: Exact, segment: int | None) -> Iterator[Curve]:
+def _estimated(theory: Exact, segment: int | None) -> Part:
     """Yield what Welch's method shows; text has bins evenly in the logarithm of their number."""
     if segment is None:
         return
@@ -216,27 +192,26 @@ def _estimated(theory: Exact, segment: int | None) -> Iterator[Curve]:
         seen = theory.estimated_spectrum(segment)
     except Refused as refusal:
         raise Refused(f"--segment: {refusal}") from refusal
-    columns = {"wavenumber": seen.wavenumber, "density": seen.density}
-    if not np.isnan(seen.standard_error).any():
-        columns["standard_error"] = seen.standard_error
+    columns = fields_of(seen, "wavenumber density standard_error")
+    if np.isnan(seen.standard_error).any():
+        del columns["standard_error"]
     units = UNITS | dict.fromkeys(("density", "standard_error"), "um^4/(rad/um)")
-    shown = sorted({0, *(round(each) for each in np.geomspace(1, seen.wavenumber.size - 1, BINS_SHOWN))})
-    known = list(rows("estimated_spectrum", ("ticks", seen.ticks), ("segments", seen.segments)))
-    yield known, Table(name="estimated_spectrum", columns=columns, units=units, shown=shown)
+    shown = sorted({0, *(round(each) for each in np.geomspace(1, seen.wavenumber.size - 1, _BINS_SHOWN))})
+    yield from named("estimated_spectrum", fields_of(seen, "ticks segments"))
+    yield Table(name="estimated_spectrum", columns=columns, units=units, shown=shown)
 
 
-def _from_empty(theory: Exact, distances: Doubles | None, steps: int) -> Iterator[Curve]:
+def _from_empty(theory: Exact, distances: Doubles | None, steps: int) -> Part:
     """Yield the growth of a contact from an empty start, if the scenario has one or --at-distance requests it."""
     if distances is None and theory.model.start != "empty":
         return
     distances = np.linspace(0.0, longest_life(theory.model), steps + 1) if distances is None else distances
     empty = exact(replace(theory.model, start="empty"))
-    columns = {
-        "distance": distances,
-        "area_mean": empty.area_from_empty(distances),
-        "count_mean": empty.count_from_empty(distances),
-    }
-    area = "run_area_mean", empty.expected_mean_area(), "um^2", "over the whole run"
-    count = "run_count_mean", empty.expected_mean_count(), "", "over the whole run"
-    table = Table(name="from_empty", columns=columns, units=UNITS)
-    yield list(rows("from_empty", area, count)), table
+    area, count = empty.area_from_empty(distances), empty.count_from_empty(distances)
+    yield from rows(
+        "from_empty",
+        ("run_area_mean", empty.expected_mean_area(), "um^2", "over the whole run"),
+        ("run_count_mean", empty.expected_mean_count(), "", "over the whole run"),
+    )
+    columns = {"distance": distances, "area_mean": area, "count_mean": count}
+    yield Table(name="from_empty", columns=columns, units=UNITS)

@@ -4,16 +4,16 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from rubnoise.answer import Row
+from rubnoise.figure_names import FIGURE_NAMES
 
 _WORDS: Final = {
     "um": "calibrated_diameter mean_diameter mean_life_distance mean_birth_spacing needed_distance diameter"
-    " life_distance lateral_offset displacement_mean displacement_std mean_displacement amplitude base_mean base_std"
-    " separation_std first_order_separation_std cutoff longest slider_length mean_life correlation_length height_scale"
-    " spacing lag distance separation displacement Sa Sq",
-    "um^2": "real_contact_area_mean real_contact_area_std area_mean fast_area_mean max_area area real_contact_area"
-    " nominal_area map_area",
-    "um/s": "velocity_std first_order_velocity_std slowest fastest velocity normal_velocity",
-    "uN": "load load_mean load_std force_mean mean_force force friction_force",
+    " life_distance lateral_offset mean_displacement amplitude base_mean base_std first_order_separation_std cutoff"
+    " longest slider_length mean_life correlation_length height_scale spacing lag distance separation displacement"
+    " Sa Sq",
+    "um^2": "area_mean fast_area_mean max_area area real_contact_area nominal_area map_area",
+    "um/s": "first_order_velocity_std slowest fastest velocity normal_velocity",
+    "uN": "load force_mean mean_force force friction_force",
     "s": "period time",
     "1/s": "upcrossing_rate",
     "1/um": "birth_rate",
@@ -25,8 +25,10 @@ _WORDS: Final = {
     "uN^2*s": "force_density",
     "B": "bytes disk_needed peak_memory working_memory",
 }
-UNITS: Final = {word: unit for unit, words in _WORDS.items() for word in words.split()}
-"""The unit of each number by its name; numbers of other names have none."""
+UNITS: Final = {name: figure.unit for name, figure in FIGURE_NAMES.items()} | {
+    word: unit for unit, words in _WORDS.items() for word in words.split()
+}
+"""The unit of each number by its name, those of a summary among them; numbers of other names have none."""
 
 NOTES: Final = {
     "mean_life_distance": "L_jm",

@@ -222,8 +222,8 @@ def _draw_own(axes: "Axes", life: Life) -> None:
     age, area = curve["distance"] - life.birth_distance, curve["area"]
     axes.fill_between(age, area, color=BLUE, alpha=0.18, lw=0.0)
     axes.plot(age, area, color=BLUE, lw=2.4, label="this junction")
-    peak: dict[str, Any] = {"color": INK, "ms": 4.5, "zorder": 5, "clip_on": False}
-    axes.plot([life.peak_age], [life.peak_area], "o", label=f"largest in the record, {life.peak_area:.4g} µm²", **peak)
+    peak, words = life.peak, f"largest in the record, {life.peak.area:.4g} µm²"
+    axes.plot(peak.age, peak.area, "o", label=words, color=INK, ms=4.5, zorder=5, clip_on=False)
     tallest = max(float(area.max()), float(0.25 * np.pi * np.max(life.others.diameter, initial=0.0) ** 2))
     axes.set_ylim(0.0, 1.32 * tallest)
     axes.set_ylabel("junction area (µm²)")
@@ -237,10 +237,10 @@ def _draw_contact(axes: "Axes", life: Life) -> None:
     total = np.where(known, own + life.others.total_area(distance), np.nan)
     axes.fill_between(age, np.where(known, own, np.nan), color=BLUE, lw=0.0, label="this junction")
     axes.plot(age, total, color=INK, lw=1.4, label="all junctions")
-    axes.plot([life.peak_age], [life.real_contact_area], "o", color=INK, ms=4.5, clip_on=False)
-    axes.set_ylim(0.0, 1.25 * float(np.nanmax(total, initial=life.real_contact_area)))
+    axes.plot(life.peak.age, life.peak.real_contact_area, "o", color=INK, ms=4.5, clip_on=False)
+    axes.set_ylim(0.0, 1.25 * float(np.nanmax(total, initial=life.peak.real_contact_area)))
     axes.set_ylabel("real contact area (µm²)")
-    axes.set_title(f"{100.0 * life.area_share:.3g} % of the real contact area at the dot")
+    axes.set_title(f"{100.0 * life.peak.area_share:.3g} % of the real contact area at the dot")
 
 
 def _shade_unknown(axes: "Axes", life: Life) -> None:

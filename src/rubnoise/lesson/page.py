@@ -7,7 +7,6 @@ from importlib.resources import files
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from rubnoise.api.run import Run
@@ -83,10 +82,9 @@ def settings_of(scenario: Scenario) -> tuple[dict[str, Any], tuple[str, ...]]:
     and for other lives than lenses off the centre line: the page cannot draw them.
     """
     model = scenario.model()
-    sizes, strengths, slider = model.sizes, model.strengths, model.slider
+    sizes, strengths, slider, pulse = model.sizes, model.strengths, model.slider, model.pulse
     known = {
-        "passes off the centre line of lenses alone (pulse.offset)": model.pulse.offset == "none"
-        or model.pulse.shape == "lens",
+        "passes off the centre line of lenses alone (pulse.offset)": pulse.offset == "none" or pulse.shape == "lens",
         "poisson and regular births alone (birth.law)": isinstance(model.births, PoissonBirths | RegularBirths),
         "fixed and normal diameters alone (diameter.law)": isinstance(sizes, Fixed | Normal),
         "equal strengths alone (strength.law)": strengths is None or isinstance(strengths, Fixed),
@@ -99,8 +97,8 @@ def settings_of(scenario: Scenario) -> tuple[dict[str, Any], tuple[str, ...]]:
         "meanCount": model.mean_junction_count,
         "spread": sizes.std if isinstance(sizes, Normal) else 0.0,
         "births": "regular" if isinstance(model.births, RegularBirths) else "poisson",
-        "pulse": model.pulse.shape,
-        "offset": model.pulse.offset,
+        "pulse": pulse.shape,
+        "offset": pulse.offset,
         "calibration": model.calibration,
         "speed": model.sliding_speed or LESSON_SPEED,
         "strength": LESSON_STRENGTH if strengths is None else strengths.mean,
@@ -109,17 +107,17 @@ def settings_of(scenario: Scenario) -> tuple[dict[str, Any], tuple[str, ...]]:
         "coupling": "two-way" if model.is_two_way else "one-way",
     }
     lacking = {"strength": strengths, "sliding.speed": model.sliding_speed, "slider": slider}
-    start = slider.start if slider else "equilibrium"
     borrowed = tuple(name for name, found in lacking.items() if found is None)
+    start = slider.start if slider else "equilibrium"
     return {"world": world, "distance": model.distance, "sliderStart": start}, borrowed
 
 
 LAWS: Final = ("normal", "lognormal", "exponential")
 """Laws of sizes, each with the scenario ``lessons/read_LAW.toml``."""
-FULL_SCALE: Final = 4095
-"""Steps of the sensor between no force and the largest one of its trace: it has 12 bits."""
-_CELLS = 160
-_LARGEST_SIZE = 40.0  # um: hardly any of the swing comes from larger ones
+
+_FULL_SCALE: Final = 4095  # steps of a sensor of 12 bits between no force and the largest one of its trace
+_CELLS: Final = 160
+_LARGEST_SIZE: Final = 40.0  # um: hardly any of the swing comes from larger ones
 
 
 @cache
@@ -131,35 +129,30 @@ def readings() -> tuple[dict[str, Any], ...]:
     ``diameter`` at birth and the ``lag`` of the exact autocovariance's half, in um, and the ``density`` of diameters in
     1/um in the middles of even cells from 0 to ``largest`` um.
     """
-    return tuple(_reading(law, load(shipped(f"lessons/read_{law}.toml"), ["run.engine=batch"])) for law in LAWS)
+    return tuple(_reading(law) for law in LAWS)
 
 
-def _reading(law: str, scenario: Scenario) -> dict[str, Any]:
-    model = scenario.model()
-    force = simulate(scenario).trace["friction_force"][:]
-    step = float(force.max()) / FULL_SCALE
+def _reading(law: str) -> dict[str, Any]:
+    scenario = load(shipped(f"lessons/read_{law}.toml"), ["run.engine=batch"])
+    model, force = scenario.model(), simulate(scenario).trace["friction_force"][:]
+    step, theory = float(force.max()) / _FULL_SCALE, exact(model)
     values = np.rint(force / step).astype(np.uint16)
-    theory = exact(model)
+    signal = Signal(values=np.asarray(values * step, dtype=np.float64), tick=model.tick, unit="uN", scale=1.0)
+    found = infer_signal(signal, zero="known", law=law, tests=False).estimates["diameter"]
+    # The last digits of a fit depend on how many threads add its matrices; a page has the same bytes each time.
+    value, low, high = (float(f"{each:.6g}") for each in (found.value, *found.interval))
     middles = np.asarray((np.arange(_CELLS) + 0.5) * (_LARGEST_SIZE / _CELLS), dtype=np.float64)
     return {
         "law": law,
         "tick": model.tick,
         "step": step,
         "values": packed(values),
-        "found": _found(np.asarray(values * step, dtype=np.float64), model.tick, law),
+        "found": {"diameter": value, "interval": [low, high]},
         "diameter": theory.mean_diameter,
         "lag": half_lag(theory),
         "largest": _LARGEST_SIZE,
         "density": [float(f"{value:.4g}") for value in model.sizes.density(middles).tolist()],
     }
-
-
-def _found(force: NDArray[np.float64], tick: float, law: str) -> dict[str, Any]:
-    signal = Signal(values=force, tick=tick, unit="uN", scale=1.0)
-    diameter = infer_signal(signal, zero="known", law=law, tests=False).estimates["diameter"]
-    # The last digits of a fit depend on how many threads add its matrices; a page has the same bytes each time.
-    value, low, high = (float(f"{each:.6g}") for each in (diameter.value, *diameter.interval))
-    return {"diameter": value, "interval": [low, high]}
 
 
 def half_lag(theory: Exact) -> float:
@@ -168,8 +161,7 @@ def half_lag(theory: Exact) -> float:
     return float(brentq(lambda lag: float(theory.autocovariance(lag)) - half, 0.0, 20.0 * theory.mean_diameter))
 
 
-MOST_ROWS: Final = 50_000
-"""Junctions that go into a page: two megabytes with their strengths."""
+_MOST_ROWS: Final = 50_000  # junctions that go into a page: two megabytes with their strengths
 
 
 def record_of(run: Run) -> dict[str, Any]:
@@ -177,27 +169,24 @@ def record_of(run: Run) -> dict[str, Any]:
 
     A longer run is cut where the first junction is born that does not fit; ``note`` says so in words.
     """
-    junctions = run.groups()["junctions"]
-    rows = min(len(junctions), MOST_ROWS)
-    whole = float(run.scenario.sliding.distance)
-    distance = whole if rows == len(junctions) else float(junctions["birth_distance"][rows])
-    record = {
-        "birth": packed(junctions["birth_distance"][:rows]),
-        "diameter": packed(junctions["diameter"][:rows]),
-        "tick": run.scenario.physics.tick,
-        "distance": distance,
-        "note": _note(run, rows, distance, whole),
+    junctions, model = run.groups()["junctions"], run.model()
+    rows = min(len(junctions), _MOST_ROWS)
+    note = f"This is {run.path.name}, seed {run.scenario.run.seed}: its junctions, row by row."
+    distance = model.distance
+    if rows < len(junctions):
+        distance = float(junctions["birth_distance"][rows])
+        note += f" Of {model.distance:g} um the page holds the first {distance:g}, {rows} junctions."
+    names = {
+        "birth": "birth_distance",
+        "diameter": "diameter",
+        "strength": "shear_strength",
+        "offset": "lateral_offset",
     }
-    for name, column in {"strength": "shear_strength", "offset": "lateral_offset"}.items():
-        if column in junctions:
-            record[name] = packed(junctions[column][:rows])
     if np.any(junctions["state"][:rows] & JunctionState.ENDED_EARLY):  # by an intervention
-        record["death"] = packed(junctions["death_distance"][:rows])
-    return record
-
-
-def _note(run: Run, rows: int, distance: float, whole: float) -> str:
-    sentence = f"This is {run.path.name}, seed {run.scenario.run.seed}: its junctions, row by row."
-    if distance < whole:
-        sentence += f" Of {whole:g} um the page holds the first {distance:g}, {rows} junctions."
-    return f"{sentence} A control of the contact leaves it for a run of the page's own; reset brings it back."
+        names["death"] = "death_distance"
+    return {
+        "tick": model.tick,
+        "distance": distance,
+        "note": f"{note} A control of the contact leaves it for a run of the page's own; reset brings it back.",
+        **{name: packed(junctions[column][:rows]) for name, column in names.items() if column in junctions},
+    }

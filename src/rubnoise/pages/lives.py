@@ -16,28 +16,17 @@ from rubnoise.record.reader import Reader
 from rubnoise.storage.schema import JUNCTIONS
 from rubnoise.web_page import packed
 
-CHUNK: Final = 256
-"""Rows with one base of their births."""
-
-FEW: Final = 256
-"""Different values of a column up to which it is held as a table of them and a byte a row."""
-
 OWN: Final = ("diameter", "lateral_offset", "shear_strength")
 OWN_OF_TOUCHES: Final = ("max_area", "max_overlap")
 """Columns of a touch that do not follow from its diameter, because its area follows the separation."""
 
-TIMES: Final = ("birth_time", "death_time")
-WIDTH: Final = 4
-"""Bytes of a value."""
-
-MARK: Final = 16
-"""About the bytes that are added for a row whose end does not follow from its diameter."""
-
-MOST_WITH_TIMES: Final = 8_000_000
-"""Bytes of lives up to which those of a slider that pushes back have their times, too."""
-
-SAME: Final = 1e-9
-"""Share of a life up to which its end is where its diameter says."""
+_TIMES: Final = ("birth_time", "death_time")
+_CHUNK: Final = 256  # rows with one base of their births
+_FEW: Final = 256  # different values of a column up to which it is held as a table of them and a byte a row
+_WIDTH: Final = 4  # bytes of a value
+_MARK: Final = 16  # bytes, about, that are added for a row whose end does not follow from its diameter
+_MOST_WITH_TIMES: Final = 8_000_000  # bytes of lives up to which those of a two-way slider have their times, too
+_SAME: Final = 1e-9  # share of a life up to which its end is where its diameter says
 
 
 def bytes_of(file: Reader) -> int:
@@ -45,8 +34,8 @@ def bytes_of(file: Reader) -> int:
     there = file.columns["junctions"]
     columns = 1 + sum(name in there for name in OWN[:2])
     if "encounter" in there:
-        columns += len(OWN_OF_TOUCHES) + MARK // WIDTH
-    return WIDTH * columns * file.rows("junctions")
+        columns += len(OWN_OF_TOUCHES) + _MARK // _WIDTH
+    return _WIDTH * columns * file.rows("junctions")
 
 
 def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, Any]:
@@ -56,17 +45,13 @@ def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, An
     speed. Raises RunFileRefused, naming the row, if a row is not a life.
     """
     there = file.columns["junctions"]
-    own = [name for name in OWN if name in there]
-    if "encounter" in there:
-        own += OWN_OF_TOUCHES
-    times = [name for name in TIMES if timed and name in there and 2 * bytes_of(file) <= MOST_WITH_TIMES]
-    names = ["birth_distance", "death_distance", "state", *own, *times]
-    chunks = list(gather(file, rows, names))
-    columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in chunks)]) for name in names}
+    own = [*(name for name in OWN if name in there), *(OWN_OF_TOUCHES if "encounter" in there else ())]
+    times = [name for name in _TIMES if timed and name in there and 2 * bytes_of(file) <= _MOST_WITH_TIMES]
+    columns = gather(file, rows, ["birth_distance", "death_distance", "state", *own, *times])
+    birth, death, state = (columns[name] for name in ("birth_distance", "death_distance", "state"))
     check_numbers("junctions", rows, {name: columns[name] for name in ("birth_distance", "death_distance", *own)})
-    birth, death = columns["birth_distance"], columns["death_distance"]
     length = 2.0 * half_life(columns["diameter"], columns.get("lateral_offset"))
-    marked = np.flatnonzero((columns["state"] != 0) | (np.abs(death - birth - length) > SAME * length))
+    marked = np.flatnonzero((state != 0) | (np.abs(death - birth - length) > _SAME * length))
     return {
         "units": {column.name: column.units for column in JUNCTIONS.columns if column.name in there},
         "rows": packed(rows.astype(np.uint32)) if rows.size and np.ptp(rows) >= rows.size else None,
@@ -75,7 +60,7 @@ def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, An
         | {name: _in_short(columns[name]) for name in own},
         "marked": {
             "row": packed(marked.astype(np.uint32)),
-            "state": packed(columns["state"][marked].astype(np.uint8)),
+            "state": packed(state[marked].astype(np.uint8)),
             "death": packed(death[marked]),
         },
     }
@@ -83,16 +68,15 @@ def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, An
 
 def _behind_bases(values: Doubles) -> dict[str, Any]:
     """Return ascending values as float32 differences to the first value of each chunk."""
-    bases = values[::CHUNK]
-    behind = values - np.repeat(bases, CHUNK)[: values.size]
-    return {"chunk": CHUNK, "bases": packed(bases), "behind": packed(behind.astype(np.float32))}
+    bases = values[::_CHUNK]
+    behind = values - np.repeat(bases, _CHUNK)[: values.size]
+    return {"chunk": _CHUNK, "bases": packed(bases), "behind": packed(behind.astype(np.float32))}
 
 
 def _in_short(values: Doubles) -> dict[str, Any]:
     """Return values as a table of few different ones with one byte per row, or as float32 numbers."""
-    different = np.unique(values[:: max(1, values.size // FEW)])
-    if different.size <= FEW // 2:
+    if np.unique(values[:: max(1, values.size // _FEW)]).size <= _FEW // 2:
         different, which = np.unique(values, return_inverse=True)
-        if different.size <= FEW:
+        if different.size <= _FEW:
             return {"table": packed(different), "which": packed(which.astype(np.uint8)) if different.size > 1 else None}
     return {"values": packed(values.astype(np.float32))}

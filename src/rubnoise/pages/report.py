@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.analysis.findings import from_attributes
-from rubnoise.analysis.sound import Sound, level_of, samples_of
+from rubnoise.analysis.sound import Sound, level_of
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.figure_names import STATES
 from rubnoise.figures import Kind
 from rubnoise.figures.catalogue import drawing, sweep_drawing
 from rubnoise.figures.fits import contact_figure
@@ -64,43 +65,43 @@ def run_report(file: Reader, text: str, between: Between) -> str:
     Parts that a run does not have, such as a sound without a slider, are left out. Raises PicturesMissing without
     matplotlib.
     """
-    stretch = Stretch.of(file)
+    stretch, origin = Stretch.of(file), file.provenance
     measured = {row.name: row.value for row in from_attributes(file.summary)}
-    origin = file.provenance
     sections = {
         "What was simulated": _paragraphs(in_words(stretch, measured)),
-        "In numbers": f"<pre>{escape(text)}</pre>",
+        "In numbers": _as_it_is(text),
         "Pictures": _paragraphs([IN_COLOURS]) + "".join(_pictures(stretch, between)),
         "Sound": _sound(file, between),
-        "Scenario": f"<pre>{escape(text_of(json.loads(str(origin['scenario_resolved']))))}</pre>",
-        "How to repeat this run": _repeat(origin, "rubnoise run scenario.toml -o run.h5", file.attributes),
+        "Scenario": _as_it_is(text_of(json.loads(str(origin["scenario_resolved"])))),
+        "How to repeat this run": _repeat("rubnoise run scenario.toml -o run.h5", {**file.attributes, **origin}),
     }
     return report_page(str(file.attributes["title"]) or file.path.stem, sections, str(origin["finished"]))
 
 
 def sweep_report(sweep: SweepResult, between: Between) -> str:
     """Return the report of a sweep, finished or not; ``between`` is called between its parts and may raise to stop."""
-    quantities = quantities_of(sweep.index)
+    quantities, origin = quantities_of(sweep.index), sweep.attributes
     if not quantities or not sweep.count("done"):
         raise Refused("no run of this sweep is done yet; there is nothing to report")
-    origin = sweep.attributes
-    states = ", ".join(
-        f"{sweep.count(state):,} {state}" for state in ("done", "failed", "planned") if sweep.count(state)
-    )
+    states = ", ".join(f"{sweep.count(state):,} {state}" for state in STATES if sweep.count(state))
     swept = ", ".join(key_label(key, sweep.runs[key].units) for key in sweep.keys)
     sections = {
         "What was simulated": _paragraphs([f"{len(sweep.points):,} points over {swept}.", f"Runs: {states}."]),
         "Pictures": "".join(_studies(sweep, quantities, between)),
         "Every point": _points(sweep, quantities),
         "Failed runs": _paragraphs([f"{run.run_id}: {run.reason}" for run in sweep.failures]),
-        "Scenario": f"<pre>{escape(str(origin['scenario_toml']))}</pre>",
-        "How to repeat this sweep": _repeat(origin, "rubnoise sweep scenario.toml -o folder", origin),
+        "Scenario": _as_it_is(str(origin["scenario_toml"])),
+        "How to repeat this sweep": _repeat("rubnoise sweep scenario.toml -o folder", origin),
     }
     return report_page(sweep.title or sweep.path.name, sections, str(origin["written"]))
 
 
 def _paragraphs(sentences: Sequence[str]) -> str:
     return "".join(f"<p>{escape(sentence)}</p>" for sentence in sentences)
+
+
+def _as_it_is(text: str) -> str:
+    return f"<pre>{escape(text)}</pre>"
 
 
 def _picture(caption: str, draw: "Callable[..., Figure]", *of: Any, **how: Any) -> str:
@@ -124,38 +125,6 @@ def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
             yield _picture("How often each load occurs.", drawing, name, stretch, heard="load")
 
 
-def _sound(file: Reader, between: Between) -> str:
-    try:
-        sound = Sound.of(file, "velocity", rate=RATE, speed_up=1.0, seconds=None)
-        if sound.seconds > SECONDS:
-            sound = Sound.of(file, "velocity", rate=RATE, speed_up=1.0, seconds=SECONDS)
-        level = level_of(sound, between)
-    except Refused:
-        return ""
-    what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
-    words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
-    return _heard(words, samples_of(sound, level, between), sound.samples)
-
-
-def _heard(words: str, pieces: Iterable[Doubles], samples: int) -> str:
-    """Return words and what plays samples from -1 to 1, which come in pieces."""
-    stream = BytesIO()
-    write_wave(stream, pieces, samples=samples, rate=RATE, texts={})
-    return f'{_paragraphs([words])}<audio controls src="data:audio/wav;base64,{coded(stream.getvalue())}"></audio>'
-
-
-def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str, object]) -> str:
-    facts = [("written by", str(attributes["source"])), ("command", str(origin["command"]))]
-    if "seed" in origin:
-        facts.append(("seed", str(origin["seed"])))
-    if "software" in origin:
-        software = json.loads(str(origin["software"]))
-        facts.append(("software", ", ".join(f"{name} {version}" for name, version in software.items())))
-    listed = "".join(f"<dt>{escape(name)}</dt><dd>{escape(text)}</dd>" for name, text in facts)
-    words = "<p>Save the scenario above as scenario.toml. This command makes the same numbers again, to the bit:</p>"
-    return f"{words}<pre>{escape(command)}</pre><dl>{listed}</dl>"
-
-
 def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) -> Iterator[str]:
     for quantity in quantities:
         between()
@@ -166,17 +135,46 @@ def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) ->
 
 def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
     """Return a table of every point: the swept values, and each quantity with half the width of its 95 % interval."""
-    estimates = {quantity: sweep.estimates(quantity) for quantity in quantities}
-    rows = []
-    for point, values in enumerate(sweep.values):
-        cells = [str(values[key]) for key in sweep.keys]
-        for quantity in quantities:
-            pooled = estimates[quantity][point]
-            reach = f" ± {pooled.reach:.2g}" if isfinite(pooled.reach) else ""
-            cells.append(f"{pooled.value:.5g}{reach}")
-        rows.append(cells)
+    columns = [[str(values[key]) for values in sweep.values] for key in sweep.keys]
+    for quantity in quantities:
+        known = ((pooled.value, pooled.reach) for pooled in sweep.estimates(quantity))
+        columns.append([f"{value:.5g}" + (f" ± {reach:.2g}" if isfinite(reach) else "") for value, reach in known])
     heading = [*(key.rpartition(".")[2].replace("_", " ") for key in sweep.keys), *map(quantity_words, quantities)]
-    return f'<div class="scrolled">{as_html("", heading, rows)}</div>'
+    return f'<div class="scrolled">{as_html("", heading, zip(*columns, strict=True))}</div>'
+
+
+def _repeat(command: str, origin: Mapping[str, object]) -> str:
+    """Return what makes the same numbers again, and what made these."""
+    software = json.loads(str(origin.get("software", "{}")))
+    facts = {
+        "written by": origin["source"],
+        "command": origin["command"],
+        "seed": origin.get("seed"),
+        "software": ", ".join(f"{name} {version}" for name, version in software.items()) or None,
+    }
+    known = ((name, str(fact)) for name, fact in facts.items() if fact is not None)
+    listed = "".join(f"<dt>{escape(name)}</dt><dd>{escape(fact)}</dd>" for name, fact in known)
+    words = "Save the scenario above as scenario.toml. This command makes the same numbers again, to the bit:"
+    return f"{_paragraphs([words])}{_as_it_is(command)}<dl>{listed}</dl>"
+
+
+def _sound(file: Reader, between: Between) -> str:
+    try:
+        sound = Sound.of(file, "velocity", rate=RATE, speed_up=1.0)
+        sound = sound.lasting(min(SECONDS, sound.seconds))
+        level = level_of(sound)
+    except Refused:
+        return ""
+    what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
+    words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
+    return _heard(words, level.pieces(between), sound.samples)
+
+
+def _heard(words: str, pieces: Iterable[Doubles], samples: int) -> str:
+    """Return words and what plays samples from -1 to 1, which come in pieces."""
+    stream = BytesIO()
+    write_wave(stream, pieces, samples=samples, rate=RATE, texts={})
+    return f'{_paragraphs([words])}<audio controls src="data:audio/wav;base64,{coded(stream.getvalue())}"></audio>'
 
 
 SECONDS_OF_AREA: Final = 3.0
@@ -194,10 +192,10 @@ def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
     """
     shown = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
     sections = {
-        "In numbers": f"<pre>{escape(text)}</pre>",
+        "In numbers": _as_it_is(text),
         "Pictures": _picture(f"{shown} autocovariance", contact_figure, contact),
         "Sound": _sound_of_area(contact, scenario.get("speed")),
-        "Scenario": f"<pre>{escape(contact.scenario_text(**scenario))}</pre>",
+        "Scenario": _as_it_is(contact.scenario_text(**scenario)),
     }
     return report_page(f"{contact.slider.name} on {contact.track.name}", sections)
 

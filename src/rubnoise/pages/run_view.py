@@ -24,8 +24,13 @@ from rubnoise.theory.moments import area_cumulants
 from rubnoise.units import KINDS, USUAL_UNITS
 from rubnoise.web_page import packed
 
-CELLS: Final = 4096
-"""Cells of a whole curve, of each of which a page has the lowest and the highest value."""
+CURVES: Final = {
+    "trace": ("real_contact_area", "junction_count", "friction_force"),
+    "slider": ("displacement", "velocity"),
+    "load": ("separation", "velocity", "load"),
+}
+LEFT_OUT: Final = {"trace": ("distance",), "slider": ("friction_force",), "load": ("time", "live_overlap")}
+"""Columns that a page does without: it computes places and times of ticks, and takes the one-way force from /trace."""
 
 PAGE_BYTES: Final = 14_000_000
 USUAL_BYTES: Final = 12_000_000
@@ -35,19 +40,10 @@ MOST_BYTES: Final = 60_000_000
 LIVES_BYTES: Final = 12_500_000
 """Bytes up to which a page holds every life of a run; with more it holds those of its stretch."""
 
-CURVES: Final = {
-    "trace": ("real_contact_area", "junction_count", "friction_force"),
-    "slider": ("displacement", "velocity"),
-    "load": ("separation", "velocity", "load"),
-}
-MOST_FLIGHTS: Final = 200_000
-"""Landmarks of a run that go into a page: 3 MB; of more the first."""
-
-LEFT_OUT: Final = {"trace": ("distance",), "slider": ("friction_force",), "load": ("time", "live_overlap")}
-"""Columns that a page does without: it computes places and times of ticks, and takes the one-way force from /trace."""
-
-STYLES: Final = ("uPlot.min.css", "view.css")
-SCRIPTS: Final = (
+CELLS: Final = 4096  # of a whole curve, of each of which a page has the lowest and the highest value
+_MOST_FLIGHTS: Final = 200_000  # landmarks of a run that go into a page: 3 MB; of more the first
+_STYLES: Final = ("uPlot.min.css", "view.css")
+_SCRIPTS: Final = (
     *("rows", "plot", "where", "life", "sums", "window", "charts", "lives", "table"),
     *("phase", "largest", "welch", "statistics", "view"),
 )
@@ -104,7 +100,7 @@ def run_page(stretch: Stretch) -> str:
         "flights": None if model.free is None else _flights(file, model),
         "levels": {name: _levels(file, name) for name in groups},
     }
-    return page("view.html", title=title, styles=STYLES, scripts=SCRIPTS, data=data)
+    return page("view.html", title=title, styles=_STYLES, scripts=_SCRIPTS, data=data)
 
 
 def _lives(stretch: Stretch) -> dict[str, Any]:
@@ -146,7 +142,7 @@ def _landmarks(stretch: Stretch) -> dict[str, Any]:
 
 def _flights(file: Reader, model: Model) -> dict[str, Any]:
     """Return distances in um of flights and impacts, and the speed in um/s of the overlap at each impact."""
-    speed, found = model.sliding_speed or 1.0, Flights.of(file, 0.0, last_time(file, "load"), MOST_FLIGHTS)
+    speed, found = model.sliding_speed or 1.0, Flights.of(file, 0.0, last_time(file, "load"), _MOST_FLIGHTS)
     return {
         "begin": packed(speed * found.begin),
         "end": packed(speed * found.end),
@@ -192,24 +188,30 @@ def extremes(file: Reader, model: Model) -> dict[str, Any]:
     """
     name = "friction_force" if "friction_force" in file.columns["trace"] else "real_contact_area"
     forces, diameters = file.column("trace", name), file.column("junctions", "diameter")
-    row, stick, impact = int(np.argmax(forces)), None, None
-    if model.is_two_way:
-        last = last_time(file, "slider")
-        sticks = Sticks.of(file, 0.0, last)
-        if sticks.begin.size:
-            longest = int(np.argmax(sticks.end - sticks.begin))
-            begin, end = float(sticks.begin[longest]), float(sticks.end[longest])
-            at = round(0.5 * (begin + end) * (file.rows("slider") - 1) / last)
-            stick = {"begin": begin, "end": end, "distance": float(file.column("slider", "distance", at, at + 1)[0])}
-    elif model.free is not None:
-        flights = Flights.of(file, 0.0, last_time(file, "load"))
-        if flights.speeds.size:
-            hardest = int(np.argmax(flights.speeds))
-            time, speed = float(flights.impacts[hardest]), float(flights.speeds[hardest])
-            impact = {"time": time, "distance": time * (model.sliding_speed or 1.0), "speed": speed}
+    row = int(np.argmax(forces))
     return {
         "junction": int(np.argmax(diameters)) if diameters.size else None,
         "force": {"name": name, "distance": row * model.tick, "value": float(forces[row])},
-        "stick": stick,
-        "impact": impact,
+        "stick": _longest_stick(file) if model.is_two_way else None,
+        "impact": _hardest_impact(file, model.sliding_speed or 1.0) if model.free is not None else None,
     }
+
+
+def _longest_stick(file: Reader) -> dict[str, float] | None:
+    last = last_time(file, "slider")
+    sticks = Sticks.of(file, 0.0, last)
+    if not sticks.begin.size:
+        return None
+    longest = int(np.argmax(sticks.end - sticks.begin))
+    begin, end = float(sticks.begin[longest]), float(sticks.end[longest])
+    at = round(0.5 * (begin + end) * (file.rows("slider") - 1) / last)
+    return {"begin": begin, "end": end, "distance": float(file.column("slider", "distance", at, at + 1)[0])}
+
+
+def _hardest_impact(file: Reader, sliding_speed: float) -> dict[str, float] | None:
+    flights = Flights.of(file, 0.0, last_time(file, "load"))
+    if not flights.speeds.size:
+        return None
+    hardest = int(np.argmax(flights.speeds))
+    time, speed = float(flights.impacts[hardest]), float(flights.speeds[hardest])
+    return {"time": time, "distance": time * sliding_speed, "speed": speed}

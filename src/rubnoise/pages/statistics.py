@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import hann, welch
-from rubnoise.arrays import Doubles, slices
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows, column_chunks
@@ -19,15 +19,15 @@ from rubnoise.theory.sampling import expected_periodogram, through_window
 from rubnoise.web_page import packed
 
 LIVES: Final = 8.0
-PERIODS: Final = 16.0
-"""Length of a segment in mean lives, for the area, and in periods of what swings, for its velocity."""
+"""Length of a segment in mean lives, for the area."""
 
-TICKS: Final = (6, 14)
-"""Powers of two between which a segment has ticks."""
+_PERIODS: Final = 16.0  # length of a segment in periods of what swings, for its velocity
+_TICKS: Final = (6, 14)  # powers of two between which a segment has ticks
+_SPREADS, _POINTS = 5.0, 200  # how far the density of the area is drawn, in standard deviations, and at how many areas
+_BARS: Final = 60  # of a histogram
 
-SPREADS: Final = 5.0
-POINTS: Final = 200
-"""How far the density of the area is drawn, in standard deviations, and at how many areas."""
+CELLS: Final = (96, 72)
+"""Cells of the phase plane across and up."""
 
 QUANTITIES: Final = {
     "area": ("trace", "real_contact_area", "real_contact_area"),
@@ -44,10 +44,8 @@ def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
     Densities are two-sided, in um^4 per rad/um, um^2/s^2 per rad/s and uN^2 per rad/s; one that theory does not know is
     None, as is the density of the area in 1/um^2. A motion that the run does not have is None.
     """
-    return {
-        "density": None if model.free is not None else _known(lambda: np.stack(_density(model))),
-        **{name: _curve(file, model, *QUANTITIES[name]) for name in QUANTITIES},
-    }
+    curves = {name: _curve(file, model, *QUANTITIES[name]) for name in QUANTITIES}
+    return {"density": None if model.free is not None else _known(lambda: _density(model)), **curves}
 
 
 def _curve(file: Rows, model: Model, group: str, _: str, quantity: str) -> dict[str, Any] | None:
@@ -57,8 +55,8 @@ def _curve(file: Rows, model: Model, group: str, _: str, quantity: str) -> dict[
     if group != "trace":
         if group not in file.columns or swings is None or model.tick_duration is None or file.rows(group) < 2:
             return None
-        step, length = model.tick_duration, PERIODS / swings.natural_frequency if swings.stiffness else inf
-    ticks = 1 << int(np.clip(np.rint(np.log2(max(length / step, 1.0))), *TICKS))
+        step, length = model.tick_duration, _PERIODS / swings.natural_frequency if swings.stiffness else inf
+    ticks = 1 << int(np.clip(np.rint(np.log2(max(length / step, 1.0))), *_TICKS))
     expected = None
     if model.free is None and group == "trace":
         expected = _known(lambda: expected_periodogram(model, step, hann(ticks))[1])
@@ -68,11 +66,11 @@ def _curve(file: Rows, model: Model, group: str, _: str, quantity: str) -> dict[
     return {"step": step, "ticks": ticks, "expected": expected}
 
 
-def _density(model: Model) -> tuple[Doubles, Doubles]:
+def _density(model: Model) -> Doubles:
     exact = area_cumulants(model)
-    highest = exact.mean + SPREADS * exact.std
-    area = np.linspace(max(exact.mean - SPREADS * exact.std, highest / POINTS), highest, POINTS)
-    return area, distribution(model).density(area)
+    highest = exact.mean + _SPREADS * exact.std
+    area = np.linspace(max(exact.mean - _SPREADS * exact.std, highest / _POINTS), highest, _POINTS)
+    return np.stack([area, distribution(model).density(area)])
 
 
 def _known(curve: Callable[[], Doubles]) -> dict[str, str] | None:
@@ -80,11 +78,6 @@ def _known(curve: Callable[[], Doubles]) -> dict[str, str] | None:
         return packed(curve().ravel())
     except Refused:
         return None
-
-
-BARS: Final = 60
-CELLS: Final = (96, 72)
-"""Bars of a histogram; cells of the phase plane across and up."""
 
 
 def whole_run(file: Rows, curves: Mapping[str, Any], *, leaves: bool) -> dict[str, Any]:
@@ -103,7 +96,7 @@ def whole_run(file: Rows, curves: Mapping[str, Any], *, leaves: bool) -> dict[st
                 "density": packed(spectrum.density),
                 "segments": spectrum.segments,
                 "ends": ends,
-                "counts": packed(np.histogram(shown, BARS, ends)[0].astype(np.uint32)),
+                "counts": packed(np.histogram(shown, _BARS, ends)[0].astype(np.uint32)),
                 "rows": values.size,
             }
     return found
@@ -117,8 +110,6 @@ def _ends(values: NDArray[Any]) -> tuple[float, float]:
 
 def _phase(file: Rows) -> dict[str, Any]:
     x, v = (file.column("slider", name) for name in ("displacement", "velocity"))
-    ends, counts = (_ends(x), _ends(v)), np.zeros(CELLS)
-    for part in slices(0, x.size):
-        counts += np.histogram2d(x[part], v[part], CELLS, ends)[0]
-    place, velocity = ends
+    place, velocity = _ends(x), _ends(v)
+    counts = np.histogram2d(x, v, CELLS, (place, velocity))[0]
     return {"across": CELLS[0], "place": place, "velocity": velocity, "counts": packed(counts.T.astype(np.uint32))}
