@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
@@ -18,63 +17,59 @@ _NANOSECONDS: Final = 1e-9
 _PLACES: Final = ("s", "um")
 
 
-def columns_of(given: Any, *, sampled: bool = False) -> Mapping[str, Any] | None:
-    """Return what a caller gives as columns by headers with units, time or distance first; None if it is no table.
+def table_of(given: Any, name: str, *, sampled: bool = False) -> Source | None:
+    """Return what a caller gives as a source of samples, time or distance first; None if it is no table.
 
     A table is a DataFrame, a Series whose index has a name or holds times, a DataArray or Dataset of one dimension, a
     group of columns of a run or one of its columns, a run, which means its trace, an object with ``columns``,
-    ``units``, ``place`` and ``step``, or a dict of arrays.
-    ``sampled``: the caller says how often samples were taken, so that a column of a run is an array like any other.
+    ``units``, ``place`` and ``step``, or a dict of arrays by headers with units. ``sampled``: the caller says how often
+    samples were taken, so that a column of a run is an array like any other.
     """
-    if all(hasattr(given, name) for name in ("columns", "units", "place", "step")):
-        names = (given.place, *(name for name in given.columns if name != given.place))
-        return {_header(name, given.units[name]): given.columns[name] for name in names}
-    if hasattr(given, "provenance"):
-        given = given.trace
-    if isinstance(given, Column):
-        return None if sampled or given.about is None else _of_column(given)
-    if isinstance(given, Columns):
-        return {_header(name, column.units): column.values for name, column in given.items()}
-    if hasattr(given, "dims") and hasattr(given, "coords"):
-        return _of_xarray(given)
-    if hasattr(given, "index") and hasattr(given, "to_numpy"):
-        return _of_pandas(given)
-    return given if isinstance(given, Mapping) else None
+    columns = _columns_of(given, sampled=sampled)
+    notes = given.notes if hasattr(given, "step") and hasattr(given, "notes") else ()
+    return None if columns is None else source_of(columns, name, notes)
 
 
-def source_of(columns: Mapping[str, ArrayLike], name: str, notes: tuple[str, ...] = ()) -> Source:
+def source_of(columns: Mapping[str, Any], name: str, notes: tuple[str, ...] = ()) -> Source:
     """Return columns by headers with units as a source of samples; raises Refused for columns of unequal length.
 
     Quantities of pint are converted to the unit of their header, or have their own if it names none.
     """
-    heads = [head_of(str(header)) for header in columns]
-    read = [with_unit(columns[key], f"{name}: {key}", head.unit) for key, head in zip(columns, heads, strict=True)]
-    arrays = [values for values, _ in read]
-    if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
+    heads, arrays = [head_of(str(header)) for header in columns], {}
+    for number, (header, values) in enumerate(columns.items()):
+        arrays[number], unit = with_unit(values, f"{name}: {header}", heads[number].unit)
+        heads[number] = replace(heads[number], unit=unit)
+    if not arrays or any(each.shape != (arrays[0].size,) for each in arrays.values()):
         raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
-    heads = [replace(head, unit=unit) for head, (_, unit) in zip(heads, read, strict=True)]
-    return Source(path=name, heads=heads, arrays=dict(enumerate(arrays)), notes=notes)
+    return Source(path=name, heads=heads, arrays=arrays, notes=notes)
 
 
-def _of_column(source: Column) -> dict[str, Any] | None:
-    """Return a column of a run over its time or distance; None for time or distance itself, or if rows have neither."""
-    place = source.beside
-    if place is None or place.name == source.name or place.units not in _PLACES:
-        return None
-    return {_header(each.name, each.units): each.values for each in (place, source)}
+def _columns_of(given: Any, *, sampled: bool) -> Mapping[str, Any] | None:
+    """Return columns by headers with units."""
+    if all(hasattr(given, name) for name in ("columns", "units", "place", "step")):
+        names = (given.place, *(name for name in given.columns if name != given.place))
+        return {_header(name, given.units[name]): given.columns[name] for name in names}
+    given = given.trace if hasattr(given, "provenance") else given
+    if isinstance(given, Column):
+        place = None if sampled or given.about is None else given.beside
+        if place is None or place.name == given.name or place.units not in _PLACES:
+            return None
+        return {_header(each.name, each.units): each.values for each in (place, given)}
+    if isinstance(given, Columns):
+        return {_header(name, column.units): column.values for name, column in given.items()}
+    if hasattr(given, "dims") and hasattr(given, "coords"):
+        return _of_xarray(given)
+    is_of_pandas = hasattr(given, "index") and hasattr(given, "to_numpy")
+    return _of_pandas(given) if is_of_pandas else given if isinstance(given, Mapping) else None
 
 
 def _of_xarray(source: Any) -> dict[str, Any] | None:
     whole = source if hasattr(source, "data_vars") else source.to_dataset(name=source.name or "trace")
-    if len(whole.dims) != 1:
+    place = next(iter(whole.dims), None)
+    if len(whole.dims) != 1 or place not in whole.coords:
         return None
-    place = next(iter(whole.dims))
-    if place not in whole.coords:
-        return None
-    return {
-        _header(str(name), str(whole[name].attrs.get("units", ""))): whole[name].to_numpy()
-        for name in (place, *whole.data_vars)
-    }
+    columns = {name: whole[name] for name in (place, *whole.data_vars)}
+    return {_header(str(name), str(each.attrs.get("units", ""))): each.to_numpy() for name, each in columns.items()}
 
 
 def _of_pandas(source: Any) -> dict[str, Any] | None:
