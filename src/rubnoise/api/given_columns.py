@@ -1,5 +1,6 @@
-"""Take the tables of a caller, of pandas, of xarray and our own, as columns with units."""
+"""Take what a caller has sampled: a file, an array, or a table of pandas, of xarray or our own."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
@@ -8,50 +9,72 @@ import numpy as np
 
 from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
-from rubnoise.errors import Refused
+from rubnoise.api.keywords import shown
+from rubnoise.errors import Refused, refusing_files
 from rubnoise.real_numbers import with_unit
-from rubnoise.storage.measured import Source, head_of
-from rubnoise.unit_spelling import NONE
+from rubnoise.storage.foreign import opened
+from rubnoise.storage.measured import Asked, Head, Source, head_of, measured
+from rubnoise.unit_spelling import NONE, spelled
 
 _NANOSECONDS: Final = 1e-9
 _PLACES: Final = ("s", "um")
 
 
-def table_of(given: Any, name: str, *, sampled: bool = False) -> Source | None:
-    """Return what a caller gives as a source of samples, time or distance first; None if it is no table.
+def sampled(given: Any, asked: Asked, name: str = "trace", *, unit: Any = "", every: bool = False) -> Source:
+    """Return a column of what is given and its places, or ``every`` column, cut and checked (see `measured`).
+
+    ``unit`` is that of an array. The first column of a table places its samples, if no other is said to.
+    """
+    if isinstance(given, str | os.PathLike):
+        with refusing_files(given):
+            return measured(opened(given, asked.column), asked, every=every)
+    source = _table_of(given, name, rated=asked.rate is not None)
+    if source is None:
+        return measured(_array_of(given, name, asked, unit), asked, every=every)
+    if (asked.place, asked.time, asked.rate) == (None, None, None) and (every or source.heads[0].along(named=True)):
+        asked = replace(asked, place="1")
+    return measured(source, asked, every=every)
+
+
+def _array_of(values: Any, name: str, asked: Asked, unit: Any) -> Source:
+    for key in ("place", "time", "column"):
+        if (value := getattr(asked, key)) is not None:
+            raise Refused(f"{key}=: {shown(value)}: has no effect on a trace of an array, whose place is time")
+    found, own = with_unit(values, name, unit)
+    if found.ndim != 1 or not found.size:
+        raise Refused(f"{name}: has the shape {found.shape}; one row of finite numbers is needed")
+    return Source(path="", heads=[Head(name, spelled(str(own)), name)], arrays={0: found})
+
+
+def _table_of(given: Any, name: str, *, rated: bool) -> Source | None:
+    """Return a table as a source of samples, time or distance first; None if it is no table.
 
     A table is a DataFrame, a Series whose index has a name or holds times, a DataArray or Dataset of one dimension, a
     group of columns of a run or one of its columns, a run, which means its trace, an object with ``columns``,
-    ``units``, ``place`` and ``step``, or a dict of arrays by headers with units. ``sampled``: the caller says how often
-    samples were taken, so that a column of a run is an array like any other.
+    ``units``, ``place`` and ``step``, or a dict of arrays by headers with units. ``rated``: the caller says how often
+    samples were taken, so that a column of a run is an array like any other. Quantities of pint are converted to the
+    unit of their header, or have their own if it names none.
     """
-    columns = _columns_of(given, sampled=sampled)
-    notes = given.notes if hasattr(given, "step") and hasattr(given, "notes") else ()
-    return None if columns is None else source_of(columns, name, notes)
-
-
-def source_of(columns: Mapping[str, Any], name: str, notes: tuple[str, ...] = ()) -> Source:
-    """Return columns by headers with units as a source of samples; raises Refused for columns of unequal length.
-
-    Quantities of pint are converted to the unit of their header, or have their own if it names none.
-    """
+    if (columns := _columns_of(given, rated=rated)) is None:
+        return None
     heads, arrays = [head_of(str(header)) for header in columns], {}
     for number, (header, values) in enumerate(columns.items()):
         arrays[number], unit = with_unit(values, f"{name}: {header}", heads[number].unit)
         heads[number] = replace(heads[number], unit=unit)
     if not arrays or any(each.shape != (arrays[0].size,) for each in arrays.values()):
         raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
+    notes = given.notes if hasattr(given, "step") and hasattr(given, "notes") else ()
     return Source(path=name, heads=heads, arrays=arrays, notes=notes)
 
 
-def _columns_of(given: Any, *, sampled: bool) -> Mapping[str, Any] | None:
+def _columns_of(given: Any, *, rated: bool) -> Mapping[str, Any] | None:
     """Return columns by headers with units."""
     if all(hasattr(given, name) for name in ("columns", "units", "place", "step")):
         names = (given.place, *(name for name in given.columns if name != given.place))
         return {_header(name, given.units[name]): given.columns[name] for name in names}
     given = given.trace if hasattr(given, "provenance") else given
     if isinstance(given, Column):
-        place = None if sampled or given.about is None else given.beside
+        place = None if rated or given.about is None else given.beside
         if place is None or place.name == given.name or place.units not in _PLACES:
             return None
         return {_header(each.name, each.units): each.values for each in (place, given)}

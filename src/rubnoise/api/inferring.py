@@ -9,7 +9,7 @@ import numpy as np
 
 from rubnoise.api import keywords
 from rubnoise.api.fit import Inference
-from rubnoise.api.given_columns import table_of
+from rubnoise.api.given_columns import sampled
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
 from rubnoise.arrays import Doubles
@@ -22,13 +22,12 @@ from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, InferenceResult, infer_signal
 from rubnoise.inference.signal import Signal, clipped, digits, joined
 from rubnoise.model import Model
-from rubnoise.real_numbers import with_unit
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.regular_file import is_hdf5
 from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
-from rubnoise.storage.measured import LARGEST_VALUE, Asked, Head, Source, measured
+from rubnoise.storage.measured import LARGEST_VALUE, Asked, Source
 from rubnoise.units import FREQUENCY, SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
@@ -95,7 +94,9 @@ def infer(
     keywords.choice("offset", offset, tuple(OTHER_OFFSETS))
     keywords.count("bootstrap", bootstrap, MOST_BOOTSTRAPS)
     velocity, psi = keywords.quantity("speed", speed, SPEED), keywords.quantity("strength", strength, STRESS)
-    left_out = keywords.frequencies("mask", mask)
+    left_out, corner = keywords.frequencies("mask", mask), keywords.quantity("bandwidth", bandwidth, FREQUENCY)
+    if keywords.choice("poles", poles, (1, 2)) != 1 and corner is None:
+        raise Refused('poles=: the poles of a filter need its corner, as in bandwidth="200 Hz"')
     if unit is not None:
         keywords.scale_of(unit, "unit=")
     source = _measured(trace, keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to))
@@ -103,23 +104,28 @@ def infer(
     if strokes not in (None, False):
         end = keywords.share("strokes", STROKE_END if strokes is True else strokes, MOST_OF_AN_END)
         signal = joined(signal, end, source.begin)
-    if psi is not None and signal.scale is None:
-        no_force = f'the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
-        raise Refused(f"strength=: {no_force}")
-    for keyword, value in {"strength": strength, "strength_spread": strength_spread}.items():
-        if value is not None and signal.is_area:
-            raise Refused(f"{keyword}=: a trace of area has no strengths")
-    if strength_spread is not None and zero == "known" and psi is not None:
-        raise Refused("strength_spread=: with a known zero and a known strength the trace tells the spread itself")
+    no_force = f'the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
+    no_strengths, in_time = "a trace of area has no strengths", "frequencies are of a trace over time"
+    tells_it = "with a known zero and a known strength the trace tells the spread itself"
+    for keyword, value, is_wrong, why in (
+        ("strength", psi, signal.scale is None, no_force),
+        ("strength", psi, signal.is_area, no_strengths),
+        ("strength_spread", strength_spread, signal.is_area, no_strengths),
+        ("strength_spread", strength_spread, zero == "known" and psi is not None, tells_it),
+        ("mask", left_out or None, velocity is None, in_time),
+        ("bandwidth", corner, velocity is None, in_time),
+    ):
+        if value is not None and is_wrong:
+            raise Refused(f"{keyword}=: {why}")
     assumed = Assumed(
         strength_spread=0.0 if strength_spread is None else keywords.share("strength_spread", strength_spread, _WIDEST),
         pulse=pulse_of(pulse or "lens", offset),
         shape_chosen=pulse is not None,
-        bandwidth=_bandwidth(bandwidth, poles, velocity),
+        bandwidth=inf if corner is None or velocity is None else corner / velocity,
         poles=poles,
     )
-    masked = _masked(left_out, velocity, signal.tick)
-    asked: dict[str, Any] = {"zero": zero, "strength": psi, "masked": masked, "drift": drift, "assumed": assumed}
+    asked: dict[str, Any] = {"zero": zero, "strength": psi, "drift": drift, "assumed": assumed}
+    asked["masked"] = _masked(left_out, velocity or 1.0, signal.tick)
     found = infer_signal(signal, law=law, **asked)
     if bootstrap and found.refused_because is None:
         found = replace(found, bootstrap=_bootstrapped(found, bootstrap, asked))
@@ -129,37 +135,18 @@ def infer(
 
 def _measured(trace: Any, asked: Asked) -> Source:
     """Return the wanted column of what is given; of a run the force by default, or else the area."""
-    name, given = "trace", trace
+    run = trace
     if isinstance(trace, str | os.PathLike):
         with refusing_files(trace):
-            name, given = os.fspath(trace), _own_result(trace)
-            if given is None:
-                return measured(opened_file(trace, asked.column), asked)
-    source = table_of(given, name, sampled=asked.rate is not None)
-    if source is None:
-        return measured(_of_array(given, asked), asked)
-    others = [head.name for head in source.heads[1:]]
-    if isinstance(given, Run):
-        column = asked.column or next(each for each in _OF_A_RUN if each in others)
-        if column not in others or column not in _OF_A_RUN:
-            neither = "neither friction_force, which needs a strength, nor real_contact_area"
-            raise Refused(f"{name}: column=: {column} is {neither}")
-        asked = replace(asked, column=column)
-    if asked.column is None and len(others) > 1:
-        there = ", ".join(others)
-        raise Refused(f'trace: column= is needed, one of {there}; right form: column="{others[0]}"')
-    if (asked.place, asked.time, asked.rate) == (None, None, None) and source.heads[0].along(named=True):
-        asked = replace(asked, place="1")
-    return measured(source, asked)
-
-
-def _of_array(values: Any, asked: Asked) -> Source:
-    if asked.column is not None:
-        raise Refused(f"column=: {keywords.shown(asked.column)}: an array has one column; leave column= out")
-    found, unit = with_unit(values, "trace", "")
-    if found.ndim != 1 or not found.size:
-        raise Refused(f"trace: has the shape {found.shape}; one row of finite numbers is needed")
-    return Source(path="", heads=[Head("trace", unit, "trace")], arrays={0: found})
+            run = _own_result(trace)
+    if not isinstance(run, Run):
+        return sampled(trace, asked)
+    name = "trace" if run is trace else os.fspath(trace)
+    column = asked.column or next(each for each in _OF_A_RUN if each in run.trace)
+    if column not in run.trace or column not in _OF_A_RUN:
+        neither = "neither friction_force, which needs a strength, nor real_contact_area"
+        raise Refused(f"{name}: column=: {column} is {neither}")
+    return sampled(run, replace(asked, column=column), name)
 
 
 def _own_result(trace: str | os.PathLike[str]) -> Run | None:
@@ -221,22 +208,8 @@ def _check_sensor(found: Source, values: Doubles, zero: str) -> None:
         )
 
 
-def _bandwidth(value: Any, poles: int, speed: float | None) -> float:
-    """Return the corner of the sensor in cycles per um; inf without one. Only a trace over time has a speed."""
-    keywords.choice("poles", poles, (1, 2))
-    hertz = keywords.quantity("bandwidth", value, FREQUENCY)
-    if hertz is None and poles != 1:
-        raise Refused('poles=: the poles of a filter need its corner, as in bandwidth="200 Hz"')
-    if hertz is not None and speed is None:
-        raise Refused("bandwidth=: frequencies are of a trace over time")
-    return inf if hertz is None or speed is None else hertz / speed
-
-
-def _masked(mask: list[float], speed: float | None, tick: float) -> tuple[tuple[float, float], ...]:
+def _masked(mask: list[float], velocity: float, tick: float) -> tuple[tuple[float, float], ...]:
     """Return the masked ranges in cycles per um."""
-    if mask and speed is None:
-        raise Refused("mask=: frequencies are of a trace over time")
-    velocity = speed or 1.0
     highest = 0.5 * velocity / tick
     if beyond := [each for each in mask if each > highest]:
         raise Refused(f"mask=: {beyond[0]:g} Hz is beyond half the rate of the samples, which is {highest:g} Hz")

@@ -28,15 +28,6 @@ if TYPE_CHECKING:
     from rubnoise.api.run import Run
 
 AREA: Final = "area"
-OTHER_WORDS: Final = {
-    "diameter": "sizes",
-    "lifetimes": "life_distances",
-    "autocovariance": "acf",
-    "hist": "histogram",
-    "area": "trace",
-}
-"""Words that other programs have for these pictures."""
-
 TALL: Final = ("trace", "slider", "overview", "load", "lives", "lifelines", "phase", "psd")
 """Pictures of several panes, which need a column that is higher than wide."""
 
@@ -64,8 +55,8 @@ def picture_named(what: Any) -> Kind:
     what = "psd" if what == "spectrum" else what
     if isinstance(what, str) and what in PICTURES:
         return what
-    near = OTHER_WORDS.get(str(what)) or next(iter(get_close_matches(str(what), PICTURES, n=1)), "")
-    hint = f'; did you mean "{near}"?' if near else ""
+    near = get_close_matches(str(what), PICTURES, n=1)
+    hint = f'; did you mean "{near[0]}"?' if near else ""
     raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
 
 

@@ -293,27 +293,20 @@ class Run:
         """The name of the run in messages."""
         return str(self.path)
 
-    @property
-    def _heading(self) -> str:
-        """The first line of what is shown."""
-        return f"{self.path}: {'a run, closed' if self._is_closed else self.attributes['title']}"
-
-    @property
-    def _is_closed(self) -> bool:
-        return isinstance(self._reader, RunFile) and self._reader.closed
-
-    def _rows(self) -> list[tuple[str, str, str]]:
-        """Return name, number of rows and columns of each group, as texts; nothing of a closed file."""
-        groups = {} if self._is_closed else self._groups
-        return [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in groups.items()]
+    def _shown(self) -> tuple[str, list[tuple[str, str, str]]]:
+        """Return a heading; and name, number of rows and columns of each group, as texts, but not of a closed file."""
+        if isinstance(self._reader, RunFile) and self._reader.closed:
+            return f"{self._called}: a run, closed", []
+        rows = [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in self._groups.items()]
+        return f"{self._called}: {self.attributes['title']}".removesuffix(": "), rows
 
     def __repr__(self) -> str:
-        lines = (f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in self._rows())
-        return shortened([self._heading, *lines])
+        heading, groups = self._shown()
+        return shortened([heading, *(f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in groups)])
 
     def _repr_html_(self) -> str:
-        rows = self._rows()
-        return as_html(self._heading, ("group", "rows", "columns") if rows else (), rows)
+        heading, groups = self._shown()
+        return as_html(heading, ("group", "rows", "columns") if groups else (), groups)
 
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
         """Return the result as an xarray DataTree, ``run.to_xarray()["trace"]``; groups are as of Columns.to_xarray."""

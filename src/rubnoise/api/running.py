@@ -31,6 +31,7 @@ from rubnoise.theory.exact import exact as exact_of_model
 class Record(Run):
     """A run kept in memory: ``record.trace["real_contact_area"]``, with groups and columns named as in a file."""
 
+    _called = "a run in memory"
     _reader: KeptRun
 
     def __init__(self, kept: KeptRun) -> None:
@@ -60,14 +61,6 @@ class Record(Run):
         with TemporaryDirectory(prefix="rubnoise-") as folder, self.save(Path(folder) / "record.h5") as run:
             yield run.reader()  # type: ignore[misc]
 
-    @property
-    def _called(self) -> str:
-        return "the run in memory"
-
-    @property
-    def _heading(self) -> str:
-        return f"a run in memory: {self.scenario.title}".removesuffix(": ")
-
 
 def simulate(
     scenario: Scenario | str | os.PathLike[str],
@@ -92,7 +85,14 @@ def simulate(
     >>> record.trace["real_contact_area"].units, len(record.trace), record.compare().passed
     ('um^2', 200001, True)
     """
-    return _in_memory(_asked(scenario, seed, engine, unknown, observe, intervene), observe, intervene)
+    scenario = _asked(scenario, seed, engine, unknown, observe, intervene)
+    model, seed, budget = scenario.model(), scenario.run.seed, expected(scenario)
+    check_memory(budget, kept_bytes=budget.result_bytes)
+    intervention = "" if intervene is None else name_of(intervene)
+    kept = KeptRun(extent=extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
+    run_model(model, seed, kept, engine=cast(Engine, scenario.run.engine), observe=observe, intervene=intervene)
+    kept.protect()
+    return Record(kept)
 
 
 def run(
@@ -120,9 +120,9 @@ def run(
     ...     run.provenance["seed"]
     7
     """
-    scenario = _asked(scenario, seed, None, unknown, observe, intervene)
     if path is None:
-        return _in_memory(scenario, observe, intervene)
+        return simulate(scenario, seed, observe=observe, intervene=intervene, **unknown)
+    scenario = _asked(scenario, seed, None, unknown, observe, intervene)
     check_output(path, force=force, reads=scenario.files)
     check_disk_space(expected(scenario), path)
     description = describe(scenario, path, command or this_command(), intervene)
@@ -158,15 +158,3 @@ def _asked(source: Any, seed: int | None, engine: Engine | None, unknown: Mappin
     scenario = scenario if engine is None else scenario.replace(engine=engine)
     check_guests(scenario.model(), cast(Engine, scenario.run.engine), *guests)
     return scenario
-
-
-def _in_memory(scenario: Scenario, observe: Observer | None, intervene: Intervention | None) -> Record:
-    """Run a scenario and keep the result in memory."""
-    model, engine, seed = scenario.model(), cast(Engine, scenario.run.engine), scenario.run.seed
-    budget = expected(scenario)
-    check_memory(budget, kept_bytes=budget.result_bytes)
-    intervention = "" if intervene is None else name_of(intervene)
-    kept = KeptRun(extent=extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
-    run_model(model, seed, kept, engine=engine, observe=observe, intervene=intervene)
-    kept.protect()
-    return Record(kept)

@@ -249,11 +249,12 @@ def labelled(sweep: "SweepResult") -> "xr.Dataset":
     """
     import xarray as xr
 
-    swept = {key: [key] for key in sweep.grid} | (
-        {SIDE_BY_SIDE: list(sweep.side_by_side)} if sweep.side_by_side else {}
-    )
-    sizes = [len(set(zip(*(sweep.points[key].tolist() for key in keys), strict=True))) for keys in swept.values()]
-    coordinates = {SIDE_BY_SIDE: xr.Variable((SIDE_BY_SIDE,), np.arange(sizes[-1]))} if sweep.side_by_side else {}
+    swept: dict[str, tuple[str, ...]] = {key: (key,) for key in sweep.grid}
+    sizes, coordinates = [len(set(sweep.points[key].tolist())) for key in sweep.grid], {}
+    if sweep.side_by_side:
+        swept[SIDE_BY_SIDE] = sweep.side_by_side
+        sizes.append(len(sweep.points) // prod(sizes))
+        coordinates[SIDE_BY_SIDE] = xr.Variable((SIDE_BY_SIDE,), np.arange(sizes[-1]))
     for axis, (dimension, keys) in enumerate(swept.items()):
         along = np.arange(sizes[axis]) * prod(sizes[axis + 1 :])
         for key in keys:

@@ -15,15 +15,13 @@ from rubnoise.api import keywords
 from rubnoise.api.column_group import Table
 from rubnoise.api.columns import Column, with_units
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
-from rubnoise.api.given_columns import source_of, table_of
+from rubnoise.api.given_columns import sampled
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused, refusing_files
+from rubnoise.errors import Refused
 from rubnoise.inference.signal import clipped, digits
-from rubnoise.real_numbers import with_unit
-from rubnoise.storage.foreign import opened
-from rubnoise.storage.measured import Source, measured
+from rubnoise.storage.measured import Source
 from rubnoise.unit_spelling import NONE, OTHERS, check_unit
-from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
+from rubnoise.units import AREA, FORCE, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
 """Kinds whose units are converted to the working unit."""
@@ -67,19 +65,16 @@ class Trace(Table):
         and uneven steps. Source: docs/your-data.md.
         """
         keywords.refuse_unknown(unknown, tuple(Trace.__init__.__kwdefaults__ or ()))
-        part = {"column": column, "time": time, "from_": from_, "to": to}
-        if isinstance(source, str | os.PathLike):
-            _refuse(f"of a file, which says it: {source}", name=name)
-            name, asked = str(source), keywords.asked(place=place, rate=rate, **part)
-            with refusing_files(source):
-                found = measured(opened(source, asked.column), asked, every=True)
-        else:
-            name, first = name or "trace", "1" if (place, time, rate) == (None, None, None) else place
-            table = table_of(source, name, sampled=rate is not None)
-            if table is None:
-                _refuse("of an array, whose place is time", place=place, time=time, column=column)
-                table, first, rate, unit = _of_array(source, name, rate, unit), "1", None, None
-            found = measured(table, keywords.asked(place=first, rate=rate, **part), every=True)
+        asked = keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to)
+        of_file = isinstance(source, str | os.PathLike)
+        if of_file and name is not None:
+            raise Refused(f"name=: {keywords.shown(name)}: has no effect on a trace of a file, which says it: {source}")
+        name = str(source) if of_file else name or "trace"
+        found = sampled(source, asked, name, unit=unit or "", every=True)
+        if not found.path:
+            if rate is None or not found.head.unit:
+                raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
+            unit = None
         columns, notes = _in_working_units(found, unit)
         super().__init__(name, columns)
         self.step, self.notes, self.place = found.step, notes, self.names[0]
@@ -188,22 +183,6 @@ class Trace(Table):
         return "\n  ".join([heading, *self.notes])
 
 
-def _of_array(values: Any, name: str, rate: Any, unit: Any) -> Source:
-    """Return an array and its times; raises Refused without a rate or a unit."""
-    often = keywords.quantity("rate", rate, FREQUENCY)
-    kept, own = with_unit(values, name, unit or "")
-    if often is None or (unit is None and not own):
-        raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
-    return source_of({"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}, name)
-
-
-def _refuse(source: str, **keys: Any) -> None:
-    """Raise Refused for a keyword that would have no effect."""
-    for name, value in keys.items():
-        if value is not None:
-            raise Refused(f"{name}=: {keywords.shown(value)}: has no effect on a trace {source}")
-
-
 def _in_working_units(found: Source, unit: Any) -> tuple[list[Column], tuple[str, ...]]:
     """Return the columns of a trace, places first, and its notes; further units that are unknown stay, and are noted.
 
@@ -215,7 +194,7 @@ def _in_working_units(found: Source, unit: Any) -> tuple[list[Column], tuple[str
             raise Refused(f"unit=: {keywords.shown(unit)}: of which column? column= names it")
         keywords.check_own_unit(found, unit)
     if found.placed is None:
-        step = found.step * np.arange(found.values.size, dtype=np.float64)
+        step = np.arange(found.values.size) / (1.0 / found.step)
         columns[found.along] = with_units(step, found.along, "s" if found.along == "time" else "um")
     for number in found.used if found.placed is None else (found.placed, *found.used):
         head, values = found.heads[number], found.arrays[number]
