@@ -87,11 +87,6 @@ class Run:
     Columns are attributes, too, and ``run["force"]`` is ``run.force``. ``area``, ``count`` and ``distance`` are those
     of /trace; ``force``, ``time``, ``displacement`` and ``velocity`` those of /slider, or without one those of /trace,
     at the sliding speed. Other columns have their own name if it stands in one group alone.
-
-    >>> import rubnoise
-    >>> with rubnoise.open("fig5.h5") as run:
-    ...     print(run.trace["distance"][:3], run.trace["distance"].units)
-    [0.  0.1 0.2] um
     """
 
     junctions: Columns
@@ -339,8 +334,8 @@ def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open rea
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
-    ...     run.scenario.title, run.junction(17).diameter > 0.0
-    ('Figure 5: excitation force and vibration', True)
+    ...     print(run.scenario.title, run.trace["distance"][:3], run.trace["distance"].units)
+    Figure 5: excitation force and vibration [0.  0.1 0.2] um
     """
     try:
         return Run(open_run(path))

@@ -42,11 +42,6 @@ class Record(Run):
         """Write the run into a result file and open it: the bits are those of `rubnoise.run`.
 
         ``force`` allows an existing file to be replaced. Raises OutputRefused if the file may not be written.
-
-        >>> import rubnoise
-        >>> with rubnoise.simulate("paper/fig4", seed=7).save("kept.h5", force=True) as run:
-        ...     run.provenance["seed"]
-        7
         """
         check_output(path, force=force)
         check_disk_space(expected(self.scenario), path)

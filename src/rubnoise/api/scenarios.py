@@ -65,12 +65,7 @@ def _path(source: Any) -> str | os.PathLike[str]:
 
 
 def example(name: str) -> Scenario:
-    """Return a scenario that comes with rubnoise, such as "paper/fig5"; raises Refused, with near names, for no other.
-
-    >>> import rubnoise
-    >>> rubnoise.example("paper/fig5").title
-    'Figure 5: excitation force and vibration'
-    """
+    """Return a scenario of rubnoise's own, such as "paper/fig5"; raises Refused, with near names, for another."""
     from rubnoise.scenario.shipped import shipped
 
     return load_file(shipped(os.fspath(_path(name))))

@@ -71,11 +71,9 @@ class Trace(Table):
             raise Refused(f"name=: {keywords.shown(name)}: has no effect on a trace of a file, which says it: {source}")
         name = str(source) if of_file else name or "trace"
         found = sampled(source, asked, name, unit=unit or "", every=True)
-        if not found.path:
-            if rate is None or not found.head.unit:
-                raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
-            unit = None
-        columns, notes = _in_working_units(found, unit)
+        if not found.path and not found.head.unit:
+            raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
+        columns, notes = _in_working_units(found, unit if found.path else None)
         super().__init__(name, columns)
         self.step, self.notes, self.place = found.step, notes, self.names[0]
 
