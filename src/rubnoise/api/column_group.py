@@ -1,4 +1,4 @@
-"""The columns of one group of a result, by name."""
+"""The columns of one group of a result, by name, and other tables of columns."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
@@ -22,15 +22,7 @@ if TYPE_CHECKING:
 
 
 Read = Callable[..., NDArray[Any]]
-"""Returns rows of a column by its name, all of them or from a first one to a last one, as an array of their own."""
-
-
-def _chosen(read: Read, numbers: NDArray[np.int64], name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-    """Return rows of a column that were chosen, in ascending order, from the stretch that has them."""
-    numbers = numbers[start:stop]
-    first, last = (int(numbers[0]), int(numbers[-1]) + 1) if numbers.size else (0, 0)
-    rows: NDArray[Any] = read(name, first, last)[numbers - first]
-    return rows
+"""Returns rows of a column by its name, all of them or from a first one to a last one."""
 
 
 class Columns(dict[str, Column]):
@@ -38,25 +30,19 @@ class Columns(dict[str, Column]):
 
     ``len`` is the number of rows; iteration gives the names, the column first on which the others depend. It is a dict
     for pandas, of which ``pd.DataFrame(run.trace)`` makes a table.
-
-    >>> import rubnoise
-    >>> with rubnoise.open("fig5.h5") as run:
-    ...     run.trace.names, len(run.trace)
-    (('distance', 'real_contact_area', 'junction_count', 'friction_force'), 200001)
     """
 
-    def __init__(self, about: schema.Group, columns: Mapping[str, schema.Dataset], rows: int, read: Read) -> None:
+    def __init__(self, name: str, long_name: str, columns: Mapping[str, schema.Dataset], rows: int, read: Read) -> None:
         """Take descriptions of the columns of a group, the number of their rows, and what reads some of them."""
-        self.name, self.long_name = about.name, about.long_name
-        self._about, self._called = about, f"/{about.name}" if about.long_name else about.name
-        self._columns = dict(columns)
-        self._length, self._read = rows, read
+        self.name, self.long_name = name, long_name
+        self._columns, self._length, self._read = dict(columns), rows, read
 
     __eq__ = object.__eq__
     __hash__ = object.__hash__  # type: ignore[assignment]
+    values, items, get = Mapping.values, Mapping.items, Mapping.get  # type: ignore[assignment]  # a dict's own see none
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unread, (type(self), self.__dict__)
+        return dict.__new__, (type(self),), self.__dict__
 
     def __getitem__(self, name: str) -> Column:
         """Read one column; raises KeyError, which lists the names."""
@@ -67,7 +53,13 @@ class Columns(dict[str, Column]):
             other = f"; run.{homes[0]}[{name!r}] has it, if the run has it" if homes else ""
             raise KeyError(f"{self._called} has no column {name!r}; it has {', '.join(self.names)}{other}")
         place = None if name == self.names[0] else partial(self.__getitem__, self.names[0])
-        return Column(self._read(name), self._columns[name], place)
+        rows = self._read(name)
+        is_shared = isinstance(rows.base, np.ndarray) or not rows.flags.writeable
+        return Column(rows.copy() if is_shared else rows, self._columns[name], place)
+
+    @property
+    def _called(self) -> str:
+        return f"/{self.name}" if self.long_name else self.name
 
     def _instead_of(self, index: Any) -> str:
         if isinstance(index, list | tuple) and all(isinstance(each, str) for each in index):
@@ -107,50 +99,26 @@ class Columns(dict[str, Column]):
         """Return the names, so that ``dict(run.trace)`` is a dictionary of columns."""
         return self.names
 
-    def values(self) -> Iterable[Column]:  # type: ignore[override]
-        """Return the columns, each read when its turn comes."""
-        return (self[name] for name in self.names)
-
-    def items(self) -> Iterable[tuple[str, Column]]:  # type: ignore[override]
-        """Return names and columns."""
-        return ((name, self[name]) for name in self.names)
-
-    def get(self, name: str, default: Any = None) -> Any:
-        """Return a column, or the default if there is none of that name."""
-        return self[name] if name in self else default  # noqa: SIM401  (get is what is defined here)
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each column by its name."""
+        return {name: about.units for name, about in self._columns.items()}
 
     def head(self, rows: int = 5) -> "pd.DataFrame":
         """Return the first rows as a pandas DataFrame; raises ExtraMissing without pandas."""
-        first = np.arange(min(max(rows, 0), len(self)))
-        return Columns(self._about, self._columns, first.size, partial(_chosen, self._read, first)).to_pandas()
+        return self._chosen(np.arange(min(max(rows, 0), len(self)))).to_pandas()
 
     @property
     def iloc(self) -> Any:
         """Rows by their numbers, as pandas has them: ``run.junctions.iloc[17]``; reads the whole group."""
         return self.to_pandas().iloc
 
-    @property
-    def units(self) -> dict[str, str]:
-        """The unit of each column by its name."""
-        return {name: about.units for name, about in self._columns.items()}
-
-    def row(self, number: int) -> dict[str, Any]:
-        """Read one row, from 0 on: its numbers by the names of their columns."""
-        return {name: self._read(name, number, number + 1)[0].item() for name in self.names}
-
     def where(self, condition: str) -> "Columns":
         """Return the rows for which a condition holds: ``run.junctions.where("diameter > 6 um and not alive_at_end")``.
 
         A condition compares columns with numbers, with units if you like; ``and``, ``or``, ``not`` and parentheses join
-        conditions, and a state of a junction, such as ``ended_early``, is one by itself. Reads the columns of the
-        condition now, in pieces, and the others when they are needed. Raises Refused, with a mark below what is
-        wrong, for a condition that cannot be understood.
-
-        >>> import rubnoise
-        >>> with rubnoise.open("fig5.h5") as run:
-        ...     large = run.junctions.where("diameter > 6 um and not alive_at_end")
-        ...     len(large) < len(run.junctions), bool(large["diameter"].min() > 6.0)
-        (True, True)
+        conditions, and a state of a junction, such as ``ended_early``, is one by itself. Only the columns of the
+        condition are read now. Raises Refused, with a mark below what is wrong.
         """
         from rubnoise.analysis.where import Condition, ConditionRefused
 
@@ -164,8 +132,11 @@ class Columns(dict[str, Column]):
         for part in slices(0, len(self)):
             right = node.chosen({name: self._read(name, part.start, part.stop) for name in node.columns})
             rows.append(part.start + np.flatnonzero(right))
-        chosen = np.concatenate(rows)
-        return Columns(self._about, self._columns, chosen.size, partial(_chosen, self._read, chosen))
+        return self._chosen(np.concatenate(rows))
+
+    def _chosen(self, numbers: NDArray[np.int64]) -> "Columns":
+        """Return rows by their numbers, which ascend."""
+        return Columns(self.name, self.long_name, self._columns, numbers.size, partial(_rows_of, self._read, numbers))
 
     @property
     def _heading(self) -> str:
@@ -206,10 +177,8 @@ class Columns(dict[str, Column]):
         scale, *rest = self.names
         asked = rest if names is None else [names] if isinstance(names, str) else names
         columns = {name: self[name] for name in (scale, *asked)}
-        units = {name: column.units for name, column in columns.items()}
-        place = pd.Index(columns.pop(scale).values, name=scale)
-        frame = pd.DataFrame({name: column.values for name, column in columns.items()}, index=place)
-        frame.attrs["units"] = units
+        frame = pd.DataFrame({name: column.values for name, column in columns.items()}).set_index(scale)
+        frame.attrs["units"] = {name: column.units for name, column in columns.items()}
         return frame
 
     def to_xarray(self, *, index: bool = True) -> "xr.Dataset":
@@ -227,56 +196,47 @@ class Columns(dict[str, Column]):
         return xr.Dataset(variables, coords=coordinates, attrs={"title": self.name})
 
 
+def _rows_of(
+    read: Read, numbers: NDArray[np.int64], name: str, start: int = 0, stop: int | None = None
+) -> NDArray[Any]:
+    """Return rows of a column that were chosen, in ascending order, from the stretch that has them."""
+    numbers = numbers[start:stop]
+    first, last = (int(numbers[0]), int(numbers[-1]) + 1) if numbers.size else (0, 0)
+    rows: NDArray[Any] = read(name, first, last)[numbers - first]
+    return rows
+
+
 class Table(Columns):
     """Columns in memory, the first of which is the place of the others."""
 
-    def __init__(self, name: str, columns: Mapping[str, Column], long_name: str = "") -> None:
-        """Take columns of equal length by their names, and what they are in words."""
-        about = {each: column.about for each, column in columns.items() if column.about is not None}
-        arrays = {each: column.values for each, column in columns.items()}
-        group = schema.Group(name=name, long_name=long_name, columns=(), plotted="")
-        super().__init__(group, about, len(next(iter(arrays.values()))), partial(_kept_rows, arrays))
+    def __init__(self, name: str, columns: Sequence[Column], long_name: str = "") -> None:
+        """Take columns of equal length, and what they are in words."""
+        arrays = {column.name: column.values for column in columns}
+        about = {column.name: column.about for column in columns if column.about is not None}
+        super().__init__(name, long_name, about, len(next(iter(arrays.values()))), partial(_kept, arrays))
 
 
-def _unread(kind: type[Columns], state: dict[str, Any]) -> Columns:
-    """Return columns that were pickled or copied without their rows."""
-    found = kind.__new__(kind)
-    found.__dict__.update(state)
-    return found
-
-
-def _kept_rows(arrays: Mapping[str, NDArray[Any]], name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-    """Return rows of an array in memory, which a user may change."""
-    return arrays[name][start:stop].copy()
+def _kept(arrays: Mapping[str, NDArray[Any]], name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+    return arrays[name][start:stop]
 
 
 def columns_by_group(rows: Rows) -> dict[str, Columns]:
     """Return the columns of every group that a run has, in a file or in memory, each read when it is needed."""
-    features = schema.motion_of(rows.columns["junctions"])
-    return {group.name: _columns(rows, group.as_in(features)) for group in schema.GROUPS if group.name in rows.columns}
+    features, groups = schema.motion_of(rows.columns["junctions"]), {}
+    for group in (each.as_in(features) for each in schema.GROUPS if each.name in rows.columns):
+        found = {about.name: about for about in group.columns if about.name in rows.columns[group.name]}
+        read = partial(rows.column, group.name)
+        groups[group.name] = Columns(group.name, group.long_name, found, rows.rows(group.name), read)
+    return groups
 
 
-def _columns(rows: Rows, group: schema.Group) -> Columns:
-    found = {about.name: about for about in group.columns if about.name in rows.columns[group.name]}
-    return Columns(group, found, rows.rows(group.name), partial(_own_rows, rows, group.name))
-
-
-def _own_rows(rows: Rows, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-    """Return rows that a user may change, also if they are those of a run in memory."""
-    found = rows.column(group, name, start, stop)
-    return found.copy() if isinstance(found.base, np.ndarray) or not found.flags.writeable else found
-
-
-SHORT: Final[Mapping[str, str]] = {
-    "area": "real_contact_area",
-    "force": "friction_force",
-    "count": "junction_count",
-}
+SHORT: Final = {"area": "real_contact_area", "force": "friction_force", "count": "junction_count"}
 """Columns by the words that pictures have for them."""
 
-_OF_THE_TRACE: Final = ("real_contact_area", "junction_count", "distance")
-_OF_THE_MOTION: Final = ("friction_force", "time", "displacement", "velocity")
-"""Columns that need no group, though others have columns of that name: of /trace, and of /slider where there is one."""
+_FIRST: Final = dict.fromkeys(("real_contact_area", "junction_count", "distance"), ("trace",)) | dict.fromkeys(
+    ("friction_force", "time", "displacement", "velocity"), ("slider", "trace")
+)
+"""Columns that need no group, though others have columns of that name, and whose they are: of the first that has it."""
 
 _MAIN: Final = ("junctions", "trace", "slider", "load")
 """The groups in which a name is looked for first: their rows are the run, those of others are about it."""
@@ -286,18 +246,6 @@ def homes_of(groups: Mapping[str, Columns], name: str) -> list[str]:
     """Return the groups whose column a run may mean by a name alone: one, if the name needs no group."""
     name = SHORT.get(name, name)
     homes = [group for group in groups if name in groups[group]]
-    if name in (*_OF_THE_TRACE, *_OF_THE_MOTION):
-        first = ("slider", "trace") if name in _OF_THE_MOTION else ("trace",)
-        return [group for group in first if group in homes][:1]
+    if name in _FIRST:
+        return [group for group in _FIRST[name] if group in homes][:1]
     return [group for group in homes if group in _MAIN] or homes
-
-
-def names_alone(groups: Mapping[str, Columns]) -> set[str]:
-    """Return the names by which a run has a column without its group."""
-    names = {*SHORT, *(name for columns in groups.values() for name in columns)}
-    return {name for name in names if len(homes_of(groups, name)) == 1}
-
-
-def group_rows(groups: Mapping[str, Columns]) -> list[tuple[str, str, str]]:
-    """Return name, number of rows and columns of each group, as texts."""
-    return [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in groups.items()]

@@ -1,7 +1,6 @@
 """Columns: numpy arrays that know their name, unit and meaning."""
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -22,18 +21,23 @@ Place = Callable[[], "Column"]
 """Returns the column over which another one is drawn."""
 
 
+def _said(what: str, meaning: str) -> Any:
+    """Return a property that says what is known of a column."""
+
+    def say(column: "Column") -> str:
+        if column.about is None:
+            raise AttributeError(f"an array that was computed from a column has no {what}", name=what, obj=column)
+        return str(getattr(column.about, what))
+
+    return property(say, doc=meaning)
+
+
 class Column(np.ndarray[Any, np.dtype[Any]]):
     """One column of a result: a numpy array with ``name``, ``units``, ``long_name`` and ``symbol``.
 
     Slices, chosen rows, sorted and other copies, and pickles of it have them, too; anything else that is computed from
     it, such as ``2 * column`` or ``column.argsort()``, has none. ``run.trace["distance"]`` reads the column each time,
     or maps it if it has more than 64 MB, so keep it for a loop. It may be changed: the run remains as it is.
-
-    >>> import rubnoise
-    >>> with rubnoise.open("fig5.h5") as run:
-    ...     area = run.trace["real_contact_area"]
-    ...     area.units, len(area), area[:3].shape
-    ('um^2', 200001, (3,))
     """
 
     about: Dataset | None = None
@@ -54,17 +58,16 @@ class Column(np.ndarray[Any, np.dtype[Any]]):
         if not isinstance(found, np.ndarray):
             return found
         place = self._place if found.ndim == self.ndim else None
-        return self._described(found, None if place is None else partial(_rows_of, place, index))
+        return self._described(found, None if place is None else lambda: place()[index])
 
     def copy(self, order: Any = "C") -> "Column":
         """Return a copy with its unit."""
         return self._described(super().copy(order), self._place)
 
-    def __copy__(self) -> "Column":
+    def __deepcopy__(self, *_memo: Any) -> "Column":
         return self.copy()
 
-    def __deepcopy__(self, memo: dict[int, Any] | None = None, /) -> "Column":
-        return self.copy()
+    __copy__ = __deepcopy__
 
     def __reduce__(self) -> tuple[Any, ...]:
         values = np.asarray(self)
@@ -79,30 +82,10 @@ class Column(np.ndarray[Any, np.dtype[Any]]):
         """Return what is computed as a plain array or number (numpy's protocol)."""
         return found[()] if return_scalar else np.asarray(found)
 
-    def _say(self, what: str) -> str:
-        if self.about is None:
-            raise AttributeError(f"an array that was computed from a column has no {what}", name=what, obj=self)
-        return str(getattr(self.about, what))
-
-    @property
-    def name(self) -> str:
-        """The name in its group; raises AttributeError, as the ones below, for what was computed from a column."""
-        return self._say("name")
-
-    @property
-    def units(self) -> str:
-        """The unit, such as "um^2"."""
-        return self._say("units")
-
-    @property
-    def long_name(self) -> str:
-        """The meaning in words."""
-        return self._say("long_name")
-
-    @property
-    def symbol(self) -> str:
-        """The symbol in equations."""
-        return self._say("symbol")
+    name: str = _said("name", "The name in its group; raises AttributeError, as the ones below, for what was computed.")
+    units: str = _said("units", 'The unit, such as "um^2".')
+    long_name: str = _said("long_name", "The meaning in words.")
+    symbol: str = _said("symbol", "The symbol in equations.")
 
     @property
     def label(self) -> str:
@@ -117,7 +100,6 @@ class Column(np.ndarray[Any, np.dtype[Any]]):
     @property
     def attributes(self) -> dict[str, Any]:
         """Unit, meaning, symbol and flags, as the dataset in the file has them."""
-        self._say("units")  # what was computed has none
         said = {} if self.about is None else self.about.attributes
         return {name: value for name, value in said.items() if not isinstance(value, str) or value}
 
@@ -148,21 +130,10 @@ class Column(np.ndarray[Any, np.dtype[Any]]):
             return repr(np.asarray(self))
         unit = f" ({self.units})" if self.units else ""
         text = f"{self.name}{unit}, {self.size:,} rows of {'text' if self.dtype.kind == 'U' else self.dtype}"
-        if self.size <= SHOWN_WHOLE:
-            return f"<{text}: {' '.join(map(_short, self))}>"
-        return f"<{text}: {' '.join(map(_short, self[:3]))} ... {_short(self[-1])}>"
+        rows = [f"{each:.40}" if isinstance(each, str) else f"{each:.6g}" for each in (*self[:3], *self[3:][-1:])]
+        return f"<{text}: {' '.join([*rows[:3], *(['...'] if self.size > SHOWN_WHOLE else []), *rows[3:]])}>"
 
 
 def with_units(values: NDArray[Any], name: str, units: str, long_name: str = "") -> Column:
     """Return an array as a column of which no more is known than its name, its unit and perhaps its meaning."""
     return Column(values, Dataset(name=name, units=units, symbol="", long_name=long_name))
-
-
-def _rows_of(place: Place, index: Any) -> Column:
-    rows: Column = place()[index]
-    return rows
-
-
-def _short(value: Any) -> str:
-    """Return a number with six digits, or the beginning of a text."""
-    return f"{value:.40}" if isinstance(value, str) else f"{value:.6g}"

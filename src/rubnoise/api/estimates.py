@@ -1,7 +1,7 @@
 """Spectra and autocovariances of records that are uniform in time or distance, of runs and of measurements."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from math import pi
 from types import MappingProxyType
@@ -41,7 +41,7 @@ class PowerSpectrum(Table):
     ('Hz', '(m/s)^2/Hz', 39)
     """
 
-    def __init__(self, name: str, columns: Mapping[str, Column], segments: int) -> None:
+    def __init__(self, name: str, columns: Sequence[Column], segments: int) -> None:
         """Take the columns, places first, and the number of segments that the estimate is a mean of."""
         super().__init__(name, columns)
         self.segments = segments
@@ -54,8 +54,7 @@ class PowerSpectrum(Table):
     @property
     def exact(self) -> Column | None:
         """The exact density; None if theory does not know it."""
-        found: Column | None = self.get("exact")
-        return found
+        return self["exact"] if "exact" in self else None  # noqa: SIM401  (get would promise more)
 
     def plot(self, name: str | None = None) -> "Figure":
         """Draw a column, or density and exact density on logarithmic axes without a name, and return the figure."""
@@ -87,41 +86,28 @@ class Autocovariance(Table):
         return f"autocovariance of {self.name} at {len(self):,} lags"
 
 
-def power_spectrum(
-    name: str,
-    units: str,
-    chunks: Iterable[Doubles],
-    *,
-    rows: int,
-    step: float,
-    place_units: str,
-    segment: Any = None,
-) -> PowerSpectrum:
-    """Return Welch's estimate from chunks of a column of ``rows`` rows, which are ``step`` apart.
+def power_spectrum(column: Column, step: float, place_units: str, segment: Any = None) -> PowerSpectrum:
+    """Return Welch's estimate of a column whose rows are a ``step`` apart.
 
     Over time G(f) = 2 S(2 pi f), one-sided, in SI; along the distance S(k), two-sided, in working units.
     """
-    ticks = 2 * (rows // (SEGMENTS + 1)) if segment is None else round(_length(segment, place_units) / step)
+    ticks = 2 * (column.size // (SEGMENTS + 1)) if segment is None else round(_length(segment, place_units) / step)
     ticks = max(8, 2 * (ticks // 2)) if segment is None else 2 * (ticks // 2)
-    if not 8 <= ticks <= rows:
-        length = f"{ticks} rows" if segment is not None else "8 rows at least"
-        raise Refused(
-            f"{name}: a segment of {length}, in a record of {rows:,}; a spectrum needs segments of 8 rows or more"
-        )
-    seen = welch(chunks, ticks, step)
+    if not 8 <= ticks <= column.size:
+        length = f"a segment of {'8 rows at least' if segment is None else f'{ticks} rows'}"
+        needed = "a spectrum needs segments of 8 rows or more"
+        raise Refused(f"{column.name}: {length}, in a record of {column.size:,}; {needed}")
+    seen = welch(column.chunks(), ticks, step)
     if place_units == "s":
-        shown, scale = SI.get(units, (units, 1.0))
+        shown, scale = SI.get(column.units, (column.units, 1.0))
         factor, per = 2.0 * scale**2, f"{_squared(shown)}/Hz"
         place = with_units(seen.wavenumber / (2.0 * pi), "frequency", "Hz")
     else:
-        factor, per = 1.0, f"{_squared(units)} per rad/{place_units}"
+        factor, per = 1.0, f"{_squared(column.units)} per rad/{place_units}"
         place = with_units(seen.wavenumber, "wavenumber", f"rad/{place_units}")
-    columns = {
-        place.name: place,
-        "density": with_units(factor * seen.density, "density", per),
-        "standard_error": with_units(factor * seen.standard_error, "standard_error", per),
-    }
-    return PowerSpectrum(name, columns, seen.segments)
+    found = {"density": seen.density, "standard_error": seen.standard_error}
+    columns = [with_units(factor * values, name, per) for name, values in found.items()]
+    return PowerSpectrum(column.name, [place, *columns], seen.segments)
 
 
 def _length(segment: Any, place_units: str) -> float:
@@ -135,30 +121,21 @@ def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum
     """Return the spectrum of a column of a run, with the exact one if theory knows it (see Run.psd)."""
     groups, model = run.groups(), run.model()
     quantity = SHORT.get(quantity, quantity)
-    slider = "slider" in groups and quantity in groups["slider"] and quantity not in ("time", "distance")
-    group = groups["slider" if slider else "trace"]
-    if quantity == "distance" or quantity not in group:
-        known = dict.fromkeys([*groups["trace"].names[1:], *(groups["slider"].names[2:] if "slider" in groups else ())])
+    of_slider = groups["slider"].names[2:] if "slider" in groups else ()
+    known = dict.fromkeys([*groups["trace"].names[1:], *of_slider])
+    if quantity not in known:
         near = get_close_matches(str(quantity), [*known, *SHORT], n=1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         if quantity in ("load", "normal-velocity"):
             hint = f'; run.plot("psd", of={quantity!r}) draws it'
         raise KeyError(f"{quantity!r} has no spectrum here; there are {', '.join(known)}{hint}")
-    column, step = group[quantity], model.tick
-    if slider and model.sliding_speed is not None:
-        step = model.tick / model.sliding_speed
-    seen = power_spectrum(
-        quantity,
-        column.units,
-        column.chunks(),
-        rows=len(column),
-        step=step,
-        place_units="s" if slider else "um",
-        segment=segment,
-    )
+    if quantity in of_slider:
+        seen = power_spectrum(groups["slider"][quantity], model.tick / (model.sliding_speed or 1.0), "s", segment)
+    else:
+        seen = power_spectrum(groups["trace"][quantity], model.tick, "um", segment)
     if (exact := _exact_density(model, quantity, seen)) is None:
         return seen
-    return PowerSpectrum(quantity, {**seen, "exact": with_units(exact, "exact", seen.density.units)}, seen.segments)
+    return PowerSpectrum(quantity, [*seen.values(), with_units(exact, "exact", seen.density.units)], seen.segments)
 
 
 def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
@@ -183,9 +160,6 @@ def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles 
 
 
 def _squared(unit: str) -> str:
-    if unit == "1":
-        return "1"
-    powered = re.fullmatch(r"([A-Za-z]+)\^(\d)", unit)
-    if powered:
+    if powered := re.fullmatch(r"([A-Za-z]+)\^(\d)", unit):
         return f"{powered[1]}^{2 * int(powered[2])}"
-    return f"{unit}^2" if unit.isalpha() else f"({unit})^2"
+    return unit if unit == "1" else f"{unit}^2" if unit.isalpha() else f"({unit})^2"

@@ -2,23 +2,22 @@
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from math import sqrt
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final
 
 from rubnoise.answer import Answer, Row, Table, shown
-from rubnoise.api import keywords
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, needing
-from rubnoise.inference import inference
 from rubnoise.inference.estimates import NAMES, Estimate
+from rubnoise.inference.fitting import Fit
 from rubnoise.inference.inference import InferenceResult, Tried
 from rubnoise.scenario.text import text_of
+from rubnoise.storage.output import whole_file
 from rubnoise.tables import shortened
-from rubnoise.units import SPEED, STRESS
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -28,11 +27,12 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
-class Inference(inference.InferenceResult):
+class Inference(InferenceResult):
     """What a trace shows about its junctions: ``found.estimates["diameter"].interval``.
 
     ``estimates`` by name, ``tests`` of the trace against the model, ``flags`` what speaks against it, ``laws``
-    compared. ``scenario`` simulates what was found; ``plot``, ``report`` and ``save`` keep it.
+    compared. ``scenario`` simulates what was found; ``plot``, ``report`` and ``save`` keep it. ``name`` is that of the
+    trace, ``speed`` its speed in um/s, ``strength`` the one in MPa that was known.
 
     >>> import rubnoise
     >>> found = rubnoise.infer("fig5.h5", zero="known", law="normal")
@@ -42,35 +42,26 @@ class Inference(inference.InferenceResult):
     """
 
     name: str = "trace"
-    speed: Any = None
-    strength: Any = None
-
-    @classmethod
-    def of(cls, found: inference.InferenceResult, *, name: str, speed: Any, strength: Any) -> Self:
-        """Return an inference with the name of its trace, its speed and its known strength."""
-        kept = {each.name: getattr(found, each.name) for each in fields(found)}
-        return cls(**kept, name=name, speed=speed, strength=strength)
+    speed: float | None = None
+    strength: float | None = None
 
     def to_toml(self) -> str:
         """Return the text of a scenario that simulates what was found, over the distance of the trace.
 
         Raises Refused if number or strength is not identified.
         """
-        if self.refused_because is not None or self.fit is None:
-            raise Refused(f"there is nothing to write: {self.refused_because}")
+        fit, signal, found = self._found("write"), self.signal, self.estimates
         for name in ("junction_count", "mean_real_contact_area"):
-            if name not in self.estimates:
+            if name not in found:
                 raise Refused(f"{name} is not identified, and a scenario needs it: {self.not_identified[name]}")
-        velocity = keywords.quantity("speed", self.speed, SPEED)
-        psi = keywords.quantity("strength", self.strength, STRESS)
-        if psi is None and "shear_strength" in self.estimates:
-            psi = self.estimates["shear_strength"].value
-        fit, signal = self.fit, self.signal
-        law, shape, count = self.law, fit.contact.shape, self.estimates["junction_count"].value
-        if law == "normal":
-            diameter = self.estimates["diameter"].value
+        count, shape, sizes = found["junction_count"].value, fit.contact.shape, {"law": self.law}
+        if self.law == "normal":
+            diameter = found["diameter"].value
             # The scenario's centre is that before drawing again, and N_jm counts lives of that length.
             count *= fit.problem.population.law(diameter, shape).centre / diameter  # type: ignore[attr-defined]
+        if LAWS[self.law].takes_spread:
+            sizes["spread"] = f"{100.0 * shape:.6g} %"
+        psi = found["shear_strength"].value if "shear_strength" in found and self.strength is None else self.strength
         strength = {} if psi is None else {"mean": f"{psi:.6g} MPa"}
         spread = sqrt(max(fit.contact.inequality - 1.0, 0.0))  # E[psi^2] / E[psi]^2 is 1 for equal strengths
         if strength and spread:
@@ -80,14 +71,14 @@ class Inference(inference.InferenceResult):
             "format": 1,
             "title": "What was found in a measured trace",
             "interface": {
-                "mean_real_contact_area": f"{self.estimates['mean_real_contact_area'].value:.6g} um^2",
+                "mean_real_contact_area": f"{found['mean_real_contact_area'].value:.6g} um^2",
                 "mean_junction_count": json.loads(f"{count:.6g}"),
                 "calibration": "matched",
             },
-            "diameter": {"law": law} | ({"spread": f"{100.0 * shape:.6g} %"} if LAWS[law].takes_spread else {}),
+            "diameter": sizes,
             "strength": strength,
             "pulse": {key: value for key, value in pulse.items() if value not in {"lens", "none"}},
-            "sliding": ({} if velocity is None else {"speed": f"{velocity:.6g} um/s"})
+            "sliding": ({} if self.speed is None else {"speed": f"{self.speed:.6g} um/s"})
             | {"distance": f"{signal.tick * signal.values.size:.6g} um"},
             "output": {"tick": f"{signal.tick:.6g} um"},
             "run": {"engine": "batch"},
@@ -104,23 +95,26 @@ class Inference(inference.InferenceResult):
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
         """Write this scenario into a file, and return its path; ``force`` allows an existing file to be replaced."""
-        return self._written(path, self.to_toml(), force=force)
+        return _written(path, self.to_toml(), force=force)
 
     def report(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
         """Write a page with pictures and tests, and return its path; raises Refused if nothing was found."""
-        if self.refused_because is not None:
-            raise Refused(f"{self.name}: there is nothing to report: {self.refused_because}")
         from rubnoise.figures.fits import fit_page
 
-        return self._written(path, fit_page(self, self.name, self.summary()), force=force)
+        self._found("report")
+        return _written(path, fit_page(self, self.name, self.summary()), force=force)
 
     def plot(self) -> "Figure":
         """Draw trace, spectrum, residuals, autocorrelation and histogram; raises Refused if nothing was found."""
-        if self.refused_because is not None:
-            raise Refused(f"{self.name}: there is nothing to draw: {self.refused_because}")
         from rubnoise.figures.fits import fit_figure
 
+        self._found("draw")
         return fit_figure(self)
+
+    def _found(self, what_for: str) -> Fit:
+        if self.fit is None or self.refused_because is not None:
+            raise Refused(f"{self.name}: there is nothing to {what_for}: {self.refused_because}")
+        return self.fit
 
     def summary(self) -> str:
         """Return the whole answer as text."""
@@ -136,17 +130,7 @@ class Inference(inference.InferenceResult):
         """Return the estimates as a DataFrame whose index is the quantity; else raises ExtraMissing."""
         with needing("analysis", "to_pandas"):
             import pandas as pd
-        frame = pd.DataFrame.from_dict(self.to_dict(), orient="index")
-        frame.index.name = "quantity"
-        return frame
-
-    def _written(self, path: str | os.PathLike[str], text: str, *, force: bool) -> Path:
-        from rubnoise.storage.output import whole_file
-
-        place = Path(path)
-        with whole_file(place, force=force) as part:
-            part.write_text(text, encoding="utf-8")
-        return place
+        return pd.DataFrame.from_dict(self.to_dict(), orient="index").rename_axis("quantity")
 
     @property
     def answer(self) -> Answer:
@@ -154,45 +138,31 @@ class Inference(inference.InferenceResult):
 
         It fails if the trace says too little, or fails a test.
         """
-        return answer_of(self, self.name)
+        signal = self.signal
+        title = f"{self.name}: {signal.values.size:,} samples over {signal.tick * signal.values.size:.4g} um of sliding"
+        notes = (*signal.left_out, *signal.notes)
+        if self.refused_because is not None:
+            refused = Row(name="refused", value=self.refused_because, fails=True)
+            return Answer(title=title, rows=(refused,), notes=notes, judged="the trace shows its junctions")
+        rows = (*_estimates(self), *_granted(self), *_tests(self))
+        judged = "the trace follows the model"
+        return Answer(title=title, rows=rows, tables=tuple(_tables(self)), notes=notes, judged=judged)
 
     def __repr__(self) -> str:
-        return shortened(self.answer.to_text().splitlines())
+        return shortened(self.summary().splitlines())
 
     def _repr_html_(self) -> str:
         return self.answer._repr_html_()
 
 
+def _written(path: str | os.PathLike[str], text: str, *, force: bool) -> Path:
+    with whole_file(path, force=force) as part:
+        part.write_text(text, encoding="utf-8")
+    return Path(path)
+
+
 LAW_FREE_UNITS: Final = {"effective_diameter": "um"}
 """Units of what needs no law: m6/m5, and the number if sizes were equal."""
-
-
-def answer_of(found: InferenceResult, name: str) -> Answer:
-    """Return what a trace shows about its junctions; it fails if that is too little, or against the model."""
-    signal = found.signal
-    title = f"{name}: {signal.values.size:,} samples over {signal.tick * signal.values.size:.4g} um of sliding"
-    notes = (*signal.left_out, *signal.notes)
-    if found.refused_because is not None:
-        refused = Row(name="refused", value=found.refused_because, fails=True)
-        return Answer(title=title, rows=(refused,), notes=notes, judged="the trace shows its junctions")
-    worse = {"worse_by": "worse_by", "worse_by_error": "error", "told_apart": "told_apart"}
-    pulses = [each for each in (found.other_offset, found.other_shape) if each is not None]
-    of_pulses = {"shape": "pulse.shape", "offset": "pulse.offset", **worse, "diameter_off": "diameter_off"}
-    beside = {
-        "laws": _tried(found.laws, {"law": "law", "criterion": "criterion", **worse}),
-        "pulses": _tried(pulses, of_pulses) if pulses else {},
-        "statistics": {name: [getattr(test, name) for test in found.tests] for name in ("name", "statistic", "level")},
-    }
-    return Answer(
-        title=title,
-        rows=(*_estimates(found), *_granted(found), *_tests(found)),
-        tables=(
-            *_by_strength_spread(found),
-            *(Table(name=name, columns=columns, shown=()) for name, columns in beside.items() if columns),
-        ),
-        notes=notes,
-        judged="the trace follows the model",
-    )
 
 
 def _estimates(found: InferenceResult) -> Iterator[Row]:
@@ -209,11 +179,9 @@ def _estimates(found: InferenceResult) -> Iterator[Row]:
 
 
 def _rows(part: str, estimates: Mapping[str, Estimate]) -> Iterator[Row]:
-    for name in NAMES:
-        if (each := estimates.get(name)) is not None:
-            unit = "" if each.unit == "1" else each.unit
-            error, interval = each.standard_error, each.interval
-            yield Row(part=part, name=name, value=each.value, unit=unit, error=error, interval=interval)
+    for name, each in ((name, estimates[name]) for name in NAMES if name in estimates):
+        unit, error = each.unit.strip("1"), each.standard_error
+        yield Row(part=part, name=name, value=each.value, unit=unit, error=error, interval=each.interval)
 
 
 def _granted(found: InferenceResult) -> Iterator[Row]:
@@ -248,29 +216,33 @@ def _tests(found: InferenceResult) -> Iterator[Row]:
         yield Row(part="tests", name="shape_of_lives", value="open", note=words, fails=True)
 
 
-def _tried(found: Iterable[Any], names: Mapping[str, str]) -> dict[str, list[Any]]:
-    """Return what else was fitted as columns: attributes by their names in an answer, and estimates with errors."""
-    rows = list(found)
-    columns = {name: [attrgetter(attribute)(each) for each in rows] for name, attribute in names.items()}
-    return columns | _columns([each.estimates for each in rows])
-
-
-def _columns(several: list[Mapping[str, Estimate]]) -> dict[str, list[Any]]:
-    columns = {}
-    for name in NAMES:
-        if any(name in each for each in several):
-            known = [each.get(name) for each in several]
-            columns[name] = [None if each is None else each.value for each in known]
-            columns[f"{name}_error"] = [None if each is None else each.standard_error for each in known]
-    return columns
-
-
-def _by_strength_spread(found: InferenceResult) -> Iterator[Table]:
-    """Yield how number and strength depend on the spread of strengths, if they do."""
+def _tables(found: InferenceResult) -> Iterator[Table]:
+    """Yield how number and strength depend on the spread of strengths, what else was fitted, and the statistics."""
     if found.by_strength_spread:
-        columns = {
-            name: [getattr(each, name) for each in found.by_strength_spread]
-            for name in ("strength_spread", "junction_count", "shear_strength")
-        }
+        columns = _columns(found.by_strength_spread, "strength_spread junction_count shear_strength")
         told = {name: values for name, values in columns.items() if values[0] is not None}
         yield Table(name="by_strength_spread", columns=told, units={"shear_strength": "MPa"})
+    of_laws, pulses = "law criterion worse_by error told_apart", filter(None, (found.other_offset, found.other_shape))
+    yield Table(name="laws", columns=_columns(found.laws, of_laws) | _estimated(found.laws), shown=())
+    if tried := list(pulses):
+        columns = _columns(tried, "pulse.shape pulse.offset worse_by error told_apart diameter_off")
+        yield Table(name="pulses", columns=columns | _estimated(tried), shown=())
+    yield Table(name="statistics", columns=_columns(found.tests, "name statistic level"), shown=())
+
+
+_CALLED: Final = {"error": "worse_by_error", "pulse.shape": "shape", "pulse.offset": "offset"}
+"""Columns that are not called as the attributes that they hold."""
+
+
+def _columns(things: Sequence[Any], attributes: str) -> dict[str, list[Any]]:
+    return {_CALLED.get(name, name): list(map(attrgetter(name), things)) for name in attributes.split()}
+
+
+def _estimated(tried: Sequence[Tried]) -> dict[str, list[Any]]:
+    """Return the columns of estimates that any of several fits has, with their errors."""
+    columns = {}
+    for name in (name for name in NAMES if any(name in each.estimates for each in tried)):
+        known = [each.estimates.get(name) for each in tried]
+        columns[name] = [None if each is None else each.value for each in known]
+        columns[f"{name}_error"] = [None if each is None else each.standard_error for each in known]
+    return columns

@@ -1,80 +1,98 @@
-"""Take the tables of a caller, of pandas, of xarray and our own, as columns with units."""
+"""Take what a caller has sampled: a file, an array, or a table of pandas, of xarray or our own."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
-from rubnoise.errors import Refused
+from rubnoise.api.keywords import shown
+from rubnoise.errors import Refused, refusing_files
 from rubnoise.real_numbers import with_unit
-from rubnoise.storage.measured import Source, head_of
-from rubnoise.units import NONE
+from rubnoise.storage.foreign import opened
+from rubnoise.storage.measured import Asked, Head, Source, head_of, measured
+from rubnoise.units import NONE, spelled
 
 _NANOSECONDS: Final = 1e-9
 _PLACES: Final = ("s", "um")
 
 
-def columns_of(given: Any, *, sampled: bool = False) -> Mapping[str, Any] | None:
-    """Return what a caller gives as columns by headers with units, time or distance first; None if it is no table.
+def sampled(given: Any, asked: Asked, name: str = "trace", *, unit: Any = "", every: bool = False) -> Source:
+    """Return a column of what is given and its places, or ``every`` column, cut and checked (see `measured`).
+
+    ``unit`` is that of an array. The first column of a table places its samples, if no other is said to.
+    """
+    if isinstance(given, str | os.PathLike):
+        with refusing_files(given):
+            return measured(opened(given, asked.column), asked, every=every)
+    source = _table_of(given, name, rated=asked.rate is not None)
+    if source is None:
+        return measured(_array_of(given, name, asked, unit), asked, every=every)
+    if (asked.place, asked.time, asked.rate) == (None, None, None) and (every or source.heads[0].along(named=True)):
+        asked = replace(asked, place="1")
+    return measured(source, asked, every=every)
+
+
+def _array_of(values: Any, name: str, asked: Asked, unit: Any) -> Source:
+    for key in ("place", "time", "column"):
+        if (value := getattr(asked, key)) is not None:
+            raise Refused(f"{key}=: {shown(value)}: has no effect on a trace of an array, whose place is time")
+    found, own = with_unit(values, name, unit)
+    if found.ndim != 1 or not found.size:
+        raise Refused(f"{name}: has the shape {found.shape}; one row of finite numbers is needed")
+    return Source(path="", heads=[Head(name, spelled(str(own)), name)], arrays={0: found})
+
+
+def _table_of(given: Any, name: str, *, rated: bool) -> Source | None:
+    """Return a table as a source of samples, time or distance first; None if it is no table.
 
     A table is a DataFrame, a Series whose index has a name or holds times, a DataArray or Dataset of one dimension, a
     group of columns of a run or one of its columns, a run, which means its trace, an object with ``columns``,
-    ``units``, ``place`` and ``step``, or a dict of arrays.
-    ``sampled``: the caller says how often samples were taken, so that a column of a run is an array like any other.
+    ``units``, ``place`` and ``step``, or a dict of arrays by headers with units. ``rated``: the caller says how often
+    samples were taken, so that a column of a run is an array like any other. Quantities of pint are converted to the
+    unit of their header, or have their own if it names none.
     """
+    if (columns := _columns_of(given, rated=rated)) is None:
+        return None
+    heads, arrays = [head_of(str(header)) for header in columns], {}
+    for number, (header, values) in enumerate(columns.items()):
+        arrays[number], unit = with_unit(values, f"{name}: {header}", heads[number].unit)
+        heads[number] = replace(heads[number], unit=unit)
+    if not arrays or any(each.shape != (arrays[0].size,) for each in arrays.values()):
+        raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
+    notes = given.notes if hasattr(given, "step") and hasattr(given, "notes") else ()
+    return Source(path=name, heads=heads, arrays=arrays, notes=notes)
+
+
+def _columns_of(given: Any, *, rated: bool) -> Mapping[str, Any] | None:
+    """Return columns by headers with units."""
     if all(hasattr(given, name) for name in ("columns", "units", "place", "step")):
         names = (given.place, *(name for name in given.columns if name != given.place))
         return {_header(name, given.units[name]): given.columns[name] for name in names}
-    if hasattr(given, "provenance"):
-        given = given.trace
+    given = given.trace if hasattr(given, "provenance") else given
     if isinstance(given, Column):
-        return None if sampled or given.about is None else _of_column(given)
+        place = None if rated or given.about is None else given.beside
+        if place is None or place.name == given.name or place.units not in _PLACES:
+            return None
+        return {_header(each.name, each.units): each.values for each in (place, given)}
     if isinstance(given, Columns):
         return {_header(name, column.units): column.values for name, column in given.items()}
     if hasattr(given, "dims") and hasattr(given, "coords"):
         return _of_xarray(given)
-    if hasattr(given, "index") and hasattr(given, "to_numpy"):
-        return _of_pandas(given)
-    return given if isinstance(given, Mapping) else None
-
-
-def source_of(columns: Mapping[str, ArrayLike], name: str, notes: tuple[str, ...] = ()) -> Source:
-    """Return columns by headers with units as a source of samples; raises Refused for columns of unequal length.
-
-    Quantities of pint are converted to the unit of their header, or have their own if it names none.
-    """
-    heads = [head_of(str(header)) for header in columns]
-    read = [with_unit(columns[key], f"{name}: {key}", head.unit) for key, head in zip(columns, heads, strict=True)]
-    arrays = [values for values, _ in read]
-    if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
-        raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
-    heads = [replace(head, unit=unit) for head, (_, unit) in zip(heads, read, strict=True)]
-    return Source(path=name, heads=heads, arrays=dict(enumerate(arrays)), notes=notes)
-
-
-def _of_column(source: Column) -> dict[str, Any] | None:
-    """Return a column of a run over its time or distance; None for time or distance itself, or if rows have neither."""
-    place = source.beside
-    if place is None or place.name == source.name or place.units not in _PLACES:
-        return None
-    return {_header(each.name, each.units): each.values for each in (place, source)}
+    is_of_pandas = hasattr(given, "index") and hasattr(given, "to_numpy")
+    return _of_pandas(given) if is_of_pandas else given if isinstance(given, Mapping) else None
 
 
 def _of_xarray(source: Any) -> dict[str, Any] | None:
     whole = source if hasattr(source, "data_vars") else source.to_dataset(name=source.name or "trace")
-    if len(whole.dims) != 1:
+    place = next(iter(whole.dims), None)
+    if len(whole.dims) != 1 or place not in whole.coords:
         return None
-    place = next(iter(whole.dims))
-    if place not in whole.coords:
-        return None
-    return {
-        _header(str(name), str(whole[name].attrs.get("units", ""))): whole[name].to_numpy()
-        for name in (place, *whole.data_vars)
-    }
+    columns = {name: whole[name] for name in (place, *whole.data_vars)}
+    return {_header(str(name), str(each.attrs.get("units", ""))): each.to_numpy() for name, each in columns.items()}
 
 
 def _of_pandas(source: Any) -> dict[str, Any] | None:

@@ -1,8 +1,7 @@
 """From a measured trace to its junctions, as numbers with intervals."""
 
 import os
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import inf, sqrt
 from typing import Any, Final, Literal
 
@@ -10,35 +9,36 @@ import numpy as np
 
 from rubnoise.api import keywords
 from rubnoise.api.fit import Inference
-from rubnoise.api.given_columns import columns_of, source_of
+from rubnoise.api.given_columns import sampled
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
-from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
-from rubnoise.contact import pulses
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
-from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.pulses import pulse_of
 from rubnoise.errors import Refused, RunFileRefused, refusing_files
 from rubnoise.inference.estimates import Assumed, Estimate
 from rubnoise.inference.inference import LAWS as SIZES
-from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, infer_signal
+from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, InferenceResult, infer_signal
 from rubnoise.inference.signal import Signal, clipped, digits, joined
 from rubnoise.model import Model
-from rubnoise.real_numbers import with_unit
 from rubnoise.record.reader import MemoryRecord
 from rubnoise.regular_file import is_hdf5
 from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
-from rubnoise.storage.measured import LARGEST_VALUE, Asked, Head, Source, measured
-from rubnoise.units import FREQUENCY, RATIO, SPEED, STRESS, QuantityError, quantity_of
+from rubnoise.storage.measured import LARGEST_VALUE, Asked, Source
+from rubnoise.units import FREQUENCY, SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
 STROKE_END: Final = "5 %"
 """Default share of a stroke that is left out at each end."""
+MOST_OF_AN_END, _WIDEST = 0.45, 3.0
+"""The largest share of a stroke that may be left out, and the largest spread of strengths."""
+
 _MASK: Final = 0.01  # of the frequency, on either side
 _WRONG_WAY: Final = 0.95
+_OF_A_RUN: Final = ("friction_force", "real_contact_area")
 
 
 def infer(
@@ -69,100 +69,84 @@ def infer(
     """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
 
     ``trace``: a path (text, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``, netCDF), an array with a ``rate``, a
-    table of pandas or xarray, a run or its column, or an object with ``columns``, ``units``, ``place`` and ``step``.
-    Quantities are texts with a unit, or quantities of pint.
-    ``speed``, such as "1 mm/s", turns time into sliding distance. ``rate``, such as "20 kHz", is how often samples were
-    taken, whatever the file says. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN", or "-1 mN" to
-    turn the sign), whatever the file says. ``strength``, such as "250 MPa", is known. ``column`` is a name, or a number
-    from 1 on, and so are ``time`` and ``place``, the columns of times and of distances. ``zero`` is "known" if 0 means
-    no force.
-    ``strength_spread``, such as "50 %", is the standard deviation over the mean of lognormal strengths, 0 without it.
-    ``pulse`` is the shape of lives: "parabola" of rough surfaces, "lens" of equal asperities, taken without it.
-    The other one is fitted too, and if no option chose and numbers depend on it, that is a flag. ``offset`` "uniform"
-    reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
-    of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random
-    walk as well. ``from_`` and ``to`` are the first and the last sample, from 1 on, or times such as "2 s".
-    ``strokes``, such as "10 %" (True is 5 %), cuts at reversals, leaves out so much of each stroke at either end,
-    and fits the strokes together. ``bootstrap`` traces are simulated from what was found, and
-    ``Inference.bootstrap`` holds how the estimates scatter. ``assumptions`` of the answer say what was taken for
-    granted. Raises Refused for bad input, and for a quantity without a unit. What statistics refuse stands in
-    ``refused_because``, what speaks against the model in ``flags``. Source: docs/inference.md.
+    table of pandas or xarray, a run or its column, or an object with ``columns``, ``units``, ``place`` and ``step``;
+    ``column``, ``place``, ``time``, ``rate``, ``from_`` and ``to`` are as in `Trace`. Quantities are texts with a unit,
+    or quantities of pint.
+    ``speed``, such as "1 mm/s", turns time into sliding distance. ``unit`` is a unit of force or V, or what a value of
+    1 is ("0.5 mN", or "-1 mN" to turn the sign), whatever the file says. ``zero`` is "known" if 0 means no force.
+    ``strength``, such as "250 MPa", is known; ``strength_spread``, such as "50 %", is the standard deviation over the
+    mean of lognormal strengths, 0 without it. ``pulse`` is the shape of lives: "parabola" of rough surfaces, "lens" of
+    equal asperities, taken without it. The other one is fitted too, and if no option chose and numbers depend on it,
+    that is a flag. ``offset`` "uniform" reads passes that miss the centre. ``bandwidth`` is the corner of the sensor,
+    such as "200 Hz", of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz";
+    ``drift`` fits a random walk as well. ``strokes``, such as "10 %" (True is 5 %), cuts at reversals, leaves out so
+    much of each stroke at either end, and fits the strokes together. ``bootstrap`` traces are simulated from what was
+    found, and ``Inference.bootstrap`` holds how the estimates scatter.
+    Raises Refused for bad input, and for a quantity without a unit. What statistics refuse stands in
+    ``refused_because``, what speaks against the model in ``flags``, what was taken for granted in ``assumptions``.
+    Source: docs/inference.md.
     """
     keywords.refuse_unknown(unknown, tuple(infer.__kwdefaults__ or ()))
     keywords.choice("zero", zero, ("known", "unknown"))
     keywords.choice("law", law, ("auto", *SIZES))
     keywords.choice("drift", drift, (True, False))
+    keywords.choice("pulse", pulse or "lens", tuple(OTHER_SHAPES))
+    keywords.choice("offset", offset, tuple(OTHER_OFFSETS))
     keywords.count("bootstrap", bootstrap, MOST_BOOTSTRAPS)
     velocity, psi = keywords.quantity("speed", speed, SPEED), keywords.quantity("strength", strength, STRESS)
-    left_out = keywords.frequencies("mask", mask)
+    left_out, corner = keywords.frequencies("mask", mask), keywords.quantity("bandwidth", bandwidth, FREQUENCY)
+    if keywords.choice("poles", poles, (1, 2)) != 1 and corner is None:
+        raise Refused('poles=: the poles of a filter need its corner, as in bandwidth="200 Hz"')
     if unit is not None:
         keywords.scale_of(unit, "unit=")
-    found = _measured(trace, keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to))
-    strokes = STROKE_END if strokes is True else None if strokes is False else strokes
-    signal = _signal(found, velocity, unit)
-    _check_sensor(found, signal, zero)
-    if strokes is not None:
-        signal = joined(signal, share("strokes", strokes, MOST_OF_AN_END), found.begin)
-    if strength is not None and signal.scale is None:
-        raise Refused(
-            f'strength=: the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
-        )
-    if strength is not None and signal.is_area:
-        raise Refused("strength=: a trace of area has no strengths")
-    masked = _masked(left_out, velocity, found.along, signal.tick)
+    source = _measured(trace, keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to))
+    signal = _signal(source, velocity, unit, zero)
+    if strokes not in (None, False):
+        end = keywords.share("strokes", STROKE_END if strokes is True else strokes, MOST_OF_AN_END)
+        signal = joined(signal, end, source.begin)
+    no_force = f'the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
+    no_strengths, in_time = "a trace of area has no strengths", "frequencies are of a trace over time"
+    tells_it = "with a known zero and a known strength the trace tells the spread itself"
+    for keyword, value, is_wrong, why in (
+        ("strength", psi, signal.scale is None, no_force),
+        ("strength", psi, signal.is_area, no_strengths),
+        ("strength_spread", strength_spread, signal.is_area, no_strengths),
+        ("strength_spread", strength_spread, zero == "known" and psi is not None, tells_it),
+        ("mask", left_out or None, velocity is None, in_time),
+        ("bandwidth", corner, velocity is None, in_time),
+    ):
+        if value is not None and is_wrong:
+            raise Refused(f"{keyword}=: {why}")
     assumed = Assumed(
-        strength_spread=strength_spread_of(strength_spread, signal, both_known=zero == "known" and psi is not None),
+        strength_spread=0.0 if strength_spread is None else keywords.share("strength_spread", strength_spread, _WIDEST),
         pulse=pulse_of(pulse or "lens", offset),
         shape_chosen=pulse is not None,
-        bandwidth=bandwidth_of(bandwidth, poles, velocity, found.along),
+        bandwidth=inf if corner is None or velocity is None else corner / velocity,
         poles=poles,
     )
-    asked: dict[str, Any] = {"zero": zero, "strength": psi, "masked": masked, "drift": drift, "assumed": assumed}
-    answer = Inference.of(infer_signal(signal, law=law, **asked), name=_named(found), speed=speed, strength=strength)
-    if not bootstrap or answer.refused_because is not None:
-        return answer
-    return replace(answer, bootstrap=_bootstrapped(answer, bootstrap, asked))
+    asked: dict[str, Any] = {"zero": zero, "strength": psi, "drift": drift, "assumed": assumed}
+    asked["masked"] = _masked(left_out, velocity or 1.0, signal.tick)
+    found = infer_signal(signal, law=law, **asked)
+    if bootstrap and found.refused_because is None:
+        found = replace(found, bootstrap=_bootstrapped(found, bootstrap, asked))
+    kept = {each.name: getattr(found, each.name) for each in fields(found)}
+    return Inference(**kept, name=_named(source), speed=velocity, strength=psi)
 
 
 def _measured(trace: Any, asked: Asked) -> Source:
     """Return the wanted column of what is given; of a run the force by default, or else the area."""
-    name, given = "trace", trace
+    run = trace
     if isinstance(trace, str | os.PathLike):
         with refusing_files(trace):
-            name, given = os.fspath(trace), _own_result(trace)
-            if given is None:
-                return measured(opened_file(trace, asked.column), asked)
-    columns = columns_of(given, sampled=asked.rate is not None)
-    if columns is None:
-        return measured(_of_array(given, asked), asked)
-    source = source_of(columns, name, trace.notes if isinstance(trace, Trace) else ())
-    others = [head.name for head in source.heads[1:]]
-    if isinstance(given, Run):
-        asked = replace(asked, column=_column_of_run(name, others, asked.column))
-    if asked.column is None and len(others) > 1:
-        there = ", ".join(others)
-        raise Refused(f'trace: column= is needed, one of {there}; right form: column="{others[0]}"')
-    if (asked.place, asked.time, asked.rate) == (None, None, None) and source.heads[0].along(named=True):
-        asked = replace(asked, place="1")
-    return measured(source, asked)
-
-
-def _column_of_run(name: str, there: Sequence[str], wanted: str | None) -> str:
-    column = wanted or ("friction_force" if "friction_force" in there else "real_contact_area")
-    if column not in there or column not in {"friction_force", "real_contact_area"}:
-        raise Refused(
-            f"{name}: column=: {column} is neither friction_force, which needs a strength, nor real_contact_area"
-        )
-    return column
-
-
-def _of_array(values: Any, asked: Asked) -> Source:
-    if asked.column is not None:
-        raise Refused(f"column=: {keywords.shown(asked.column)}: an array has one column; leave column= out")
-    found, unit = with_unit(values, "trace", "")
-    if found.ndim != 1 or not found.size:
-        raise Refused(f"trace: has the shape {found.shape}; one row of finite numbers is needed")
-    return Source(path="", heads=[Head("trace", unit, "trace")], arrays={0: found})
+            run = _own_result(trace)
+    if not isinstance(run, Run):
+        return sampled(trace, asked)
+    name = "trace" if run is trace else os.fspath(trace)
+    column = asked.column or next(each for each in _OF_A_RUN if each in run.trace)
+    if column not in run.trace or column not in _OF_A_RUN:
+        neither = "neither friction_force, which needs a strength, nor real_contact_area"
+        raise Refused(f"{name}: column=: {column} is {neither}")
+    return sampled(run, replace(asked, column=column), name)
 
 
 def _own_result(trace: str | os.PathLike[str]) -> Run | None:
@@ -181,13 +165,37 @@ def _own_result(trace: str | os.PathLike[str]) -> Run | None:
 
 
 def _named(found: Source) -> str:
-    where = found.where
-    return f"{where}: {found.head.name}" if where else found.head.name
+    return ": ".join(filter(None, (found.where, found.head.name)))
 
 
-def _check_sensor(found: Source, signal: Signal, zero: str) -> None:
+def _signal(found: Source, speed: float | None, unit: Any, zero: str) -> Signal:
+    """Return a trace ready for inference; raises Refused for one without speed, unit or sense."""
+    if found.along == "time" and speed is None:
+        raise Refused('speed= is needed: the trace is over time, junctions live by distance; as in speed="1 mm/s"')
+    if found.along != "time" and speed is not None:
+        raise Refused("speed=: the trace is over sliding distance, which needs no speed")
+    written = found.head.unit
+    if unit is not None:
+        keywords.check_own_unit(found, unit)
+        written = keywords.unit_text(unit).removeprefix("1 ").removeprefix("1.0 ")
+    if not written:
+        raise Refused(f'{_named(found)}: no unit; unit="mN" names it, unit="V" one without a scale of force')
+    scale, is_area, sign = keywords.scale_of(written, f"{_named(found)}: unit" if unit is None else "unit=")
+    values = found.values if sign > 0.0 else -found.values
+    _check_sensor(found, values, zero)
+    return Signal(
+        values=values,
+        tick=found.step * (speed or 1.0),
+        unit=str(written),
+        scale=scale,
+        is_area=is_area,
+        left_out=found.left_out,
+        notes=(*found.notes, *digits(found.values, found.head.unit)),
+    )
+
+
+def _check_sensor(found: Source, values: Doubles, zero: str) -> None:
     """Raise Refused for a saturated sensor, and for a force of the wrong sign."""
-    values = signal.values
     if 0.0 < (largest := float(np.abs(values).max())) < 1.0 / LARGEST_VALUE:
         raise Refused(f"{_named(found)}: its largest value is {largest:g}; give the values in a smaller unit")
     if said := clipped(found.values, found.place):
@@ -200,51 +208,22 @@ def _check_sensor(found: Source, signal: Signal, zero: str) -> None:
         )
 
 
-def _signal(found: Source, speed: float | None, unit: Any) -> Signal:
-    step = found.step
-    if found.along == "time":
-        if speed is None:
-            raise Refused('speed= is needed: the trace is over time, junctions live by distance; as in speed="1 mm/s"')
-        step *= speed
-    elif speed is not None:
-        raise Refused("speed=: the trace is over sliding distance, which needs no speed")
-    written = found.head.unit
-    if unit is not None:
-        keywords.check_own_unit(found, unit)
-        written = keywords.unit_text(unit).removeprefix("1 ").removeprefix("1.0 ")
-    if not written:
-        raise Refused(f'{_named(found)}: no unit; unit="mN" names it, unit="V" one without a scale of force')
-    scale, is_area, sign = keywords.scale_of(written, f"{_named(found)}: unit" if unit is None else "unit=")
-    return Signal(
-        values=found.values if sign > 0.0 else -found.values,
-        tick=step,
-        unit=str(written),
-        scale=scale,
-        is_area=is_area,
-        left_out=found.left_out,
-        notes=(*found.notes, *digits(found.values, found.head.unit)),
-    )
-
-
-def _masked(mask: list[float], speed: float | None, along: str, tick: float) -> tuple[tuple[float, float], ...]:
+def _masked(mask: list[float], velocity: float, tick: float) -> tuple[tuple[float, float], ...]:
     """Return the masked ranges in cycles per um."""
-    if mask and (along != "time" or speed is None):
-        raise Refused("mask=: frequencies are of a trace over time")
-    velocity = speed or 1.0
     highest = 0.5 * velocity / tick
     if beyond := [each for each in mask if each > highest]:
         raise Refused(f"mask=: {beyond[0]:g} Hz is beyond half the rate of the samples, which is {highest:g} Hz")
     return tuple(((1.0 - _MASK) * each / velocity, (1.0 + _MASK) * each / velocity) for each in mask)
 
 
-def _bootstrapped(found: Inference, count: int, asked: dict[str, Any]) -> dict[str, Estimate]:
+def _bootstrapped(found: InferenceResult, count: int, asked: dict[str, Any]) -> dict[str, Estimate]:
     """Return mean, standard deviation and middle 95 % of the estimates of traces simulated from those found."""
-    samples: dict[str, list[float]] = {}
+    samples: dict[str, list[float]] = {name: [] for name in found.estimates}
     for seed in range(1, count + 1):
         again = replace(found.signal, values=_simulated(found, seed))
         refit = infer_signal(again, law=found.law, tests=False, **asked)
-        for name, each in refit.estimates.items():
-            samples.setdefault(name, []).append(each.value)
+        for name in samples.keys() & refit.estimates.keys():
+            samples[name].append(refit.estimates[name].value)
     return {
         name: Estimate(
             value=float(np.mean(values)),
@@ -253,11 +232,11 @@ def _bootstrapped(found: Inference, count: int, asked: dict[str, Any]) -> dict[s
             unit=found.estimates[name].unit,
         )
         for name, values in samples.items()
-        if name in found.estimates
+        if values
     }
 
 
-def _simulated(found: Inference, seed: int) -> Doubles:
+def _simulated(found: InferenceResult, seed: int) -> Doubles:
     """Return a trace of the found scenario, of the same length, made by the batch engine."""
     fit, signal = found.fit, found.signal
     if fit is None:
@@ -287,50 +266,3 @@ def _simulated(found: Inference, seed: int) -> Doubles:
     scale = float(signal.values.std())
     noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.noise)
     return scale * (contact.strength / tick**2 * force + noise)
-
-
-_WIDEST: Final = 3.0
-MOST_OF_AN_END: Final = 0.45
-
-
-def share(keyword: str, value: Any, most: float) -> float:
-    """Return a share from 0 % to ``most`` as a part of 1."""
-    try:
-        number = float(quantity_of(value, RATIO))
-    except QuantityError as problem:
-        form = f'right form: {keyword}="{RATIO.example}"'
-        raise Refused(f"{keyword}=: {keywords.shown(value)}: {problem}; {form}") from problem
-    if not 0.0 <= number <= most:
-        raise Refused(f"{keyword}=: {keywords.shown(value)} is not from 0 % to {100.0 * most:g} %")
-    return number
-
-
-def strength_spread_of(value: Any, signal: Signal, *, both_known: bool) -> float:
-    """Return the assumed spread of strengths; 0 if none is given."""
-    if value is None:
-        return 0.0
-    if signal.is_area:
-        raise Refused("strength_spread=: a trace of area has no strengths")
-    if both_known:
-        raise Refused("strength_spread=: with a known zero and a known strength the trace tells the spread itself")
-    return share("strength_spread", value, _WIDEST)
-
-
-def pulse_of(shape: str, offset: str) -> Pulse:
-    """Return the pulse of a junction's area."""
-    keywords.choice("pulse", shape, tuple(OTHER_SHAPES))
-    keywords.choice("offset", offset, tuple(OTHER_OFFSETS))
-    return pulses.pulse_of(shape, offset)
-
-
-def bandwidth_of(value: Any, poles: int, speed: float | None, along: str) -> float:
-    """Return the corner of the sensor in cycles per um; inf without one."""
-    keywords.choice("poles", poles, (1, 2))
-    hertz = keywords.quantity("bandwidth", value, FREQUENCY)
-    if hertz is None:
-        if poles != 1:
-            raise Refused('poles=: the poles of a filter need its corner, as in bandwidth="200 Hz"')
-        return inf
-    if along != "time" or speed is None:
-        raise Refused("bandwidth=: frequencies are of a trace over time")
-    return hertz / speed

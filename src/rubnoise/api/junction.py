@@ -47,8 +47,7 @@ class Junction:
 
         With x = |d - (s - birth_distance)| the lens has A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) (paper Eq. 2), the
         triangle (pi/4) d (d - x) and the parabola (pi/4) (d^2 - x^2). A pass that misses the centre line by
-        b = lateral_offset has d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2) with r^2 = x^2 + b^2 and
-        x = s - birth_distance - sqrt(d^2 - b^2).
+        b = lateral_offset has sqrt(x^2 + b^2) for x, with x = 0 at birth_distance + sqrt(d^2 - b^2).
         """
         return at_each(self._area, distance, "distance", "um", (0.0, 0.0))
 

@@ -38,16 +38,32 @@ def quantity(keyword: str, value: Any, kind: units.Kind) -> float | None:
     """Return a positive quantity in working units, None if none is given; raises Refused for anything else."""
     if value is None:
         return None
-    form = f'right form: {keyword}="{kind.example}"'
+    form = f'{keyword}="{kind.example}"'
     try:
         number = float(units.quantity_of(value, kind))
     except units.QuantityError as problem:
-        hint = "" if problem.hint.startswith("right form") else f"; {problem.hint}" if problem.hint else ""
-        raise Refused(f"{keyword}=: {shown(value)}: {problem}{hint}; {form}") from problem
+        raise _refusal(f"{keyword}=", value, problem, form) from problem
     if not number > 0.0:
-        raise Refused(f"{keyword}=: {shown(value)} is not above 0; {form}")
+        raise Refused(f"{keyword}=: {shown(value)} is not above 0; right form: {form}")
     if not SMALLEST <= number <= LARGEST:
         raise Refused(f"{keyword}=: {shown(value)} is not between {kind.number(SMALLEST)} and {kind.number(LARGEST)}")
+    return number
+
+
+def _refusal(what: str, value: Any, problem: units.QuantityError, form: str, more: str = "") -> Refused:
+    """Return the refusal of a value that is no quantity, with advice and the right form."""
+    hint = f"; {problem.hint}" if problem.hint and not problem.hint.startswith("right form") else ""
+    return Refused(f"{what}: {shown(value)}: {problem}{hint}{more}; right form: {form}")
+
+
+def share(keyword: str, value: Any, most: float) -> float:
+    """Return a share from 0 % to ``most`` as a part of 1; raises Refused for anything else."""
+    try:
+        number = float(units.quantity_of(value, units.RATIO))
+    except units.QuantityError as problem:
+        raise _refusal(f"{keyword}=", value, problem, f'{keyword}="{units.RATIO.example}"') from problem
+    if not 0.0 <= number <= most:
+        raise Refused(f"{keyword}=: {shown(value)} is not from 0 % to {100.0 * most:g} %")
     return number
 
 
@@ -88,15 +104,14 @@ def asked(*, rate: Any = None, from_: Any = None, to: Any = None, **columns: Any
 
 def _end(keyword: str, value: Any) -> int | units.Quantity | None:
     """Return the number of a sample, from 1 on, or a time or distance from the first one."""
-    if value is None or (isinstance(value, Integral) and not isinstance(value, bool)):
+    is_number = isinstance(value, Integral) and not isinstance(value, bool)
+    if value is None or is_number or (isinstance(value, str) and re.fullmatch("[0-9]{1,15}", value.strip())):
         return None if value is None else int(value)
-    if isinstance(value, str) and re.fullmatch("[0-9]{1,15}", value.strip()):
-        return int(value)
     try:
         return units.quantity_of(value, units.TIME, units.LENGTH)
     except units.QuantityError as problem:
-        form = f'right form: {keyword}="7201" for a sample, {keyword}="{units.TIME.example}"'
-        raise Refused(f"{keyword}=: {shown(value)}: {problem}; {form}") from problem
+        form = f'{keyword}="7201" for a sample, {keyword}="{units.TIME.example}"'
+        raise _refusal(f"{keyword}=", value, problem, form) from problem
 
 
 def unit_text(unit: Any) -> Any:
@@ -115,19 +130,16 @@ def scale_of(unit: Any, what: str) -> tuple[float | None, bool, float]:
         number, name = _SIZE.fullmatch(text.strip()).groups()  # type: ignore[union-attr]  # fits any text
         number, name = number or "1", units.spelled(name)
     volts = _VOLTS.fullmatch(name)
+    size = f"{number} {'N' if volts else name}" if isinstance(text, str) else text
     try:
-        factor = units.quantity_of(
-            f"{number} N" if volts else f"{number} {name}" if isinstance(text, str) else text, units.FORCE, units.AREA
-        )
+        factor = units.quantity_of(size, units.FORCE, units.AREA)
     except units.QuantityError as problem:
-        hint = f"; {problem.hint}" if problem.hint and not problem.hint.startswith("right form") else ""
         weighed = _WEIGHED.get(name, "")
-        hint += f'; what weighs 1 {name} pulls with {weighed}: unit="{weighed}"' if weighed else ""
-        raise Refused(f"{what}: {shown(unit)}: {problem}{hint}; right form: {_UNIT_FORMS}") from problem
+        pulls = f'; what weighs 1 {name} pulls with {weighed}: unit="{weighed}"' if weighed else ""
+        raise _refusal(what, unit, problem, _UNIT_FORMS, pulls) from problem
     if not SMALLEST <= abs(factor) <= LARGEST:
-        raise Refused(
-            f"{what}: {shown(unit)} is not between {SMALLEST:g} and {LARGEST:g} uN; right form: {_UNIT_FORMS}"
-        )
+        limits = f"is not between {SMALLEST:g} and {LARGEST:g} uN"
+        raise Refused(f"{what}: {shown(unit)} {limits}; right form: {_UNIT_FORMS}")
     sign = -1.0 if factor < 0.0 else 1.0
     return (None, False, sign) if volts else (abs(float(factor)), factor.kind is units.AREA, sign)
 
@@ -146,6 +158,7 @@ _MEANT: Final = {
     'column="force"': "col columns usecols y channel",
     'from_="2 s"': "start begin skip skiprows first",
     'to="30 s"': "stop end last nrows",
+    'size="84 mm x 60 mm"': "figsize sizes",
 }
 """Keywords of other libraries, by what they mean here."""
 

@@ -14,11 +14,10 @@ from rubnoise.api.column_group import SHORT
 from rubnoise.api.trace import Trace
 from rubnoise.errors import Refused, refusing_files
 from rubnoise.figures import Kind, style
-from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, Appearance, drawing
+from rubnoise.figures.catalogue import AS_IT_IS, HEARD, OVERLAID, PICTURES, Appearance, drawing
 from rubnoise.figures.style import NARROW, STYLES
 from rubnoise.figures.tracks import Stretch, prefix_refusals
 from rubnoise.real_numbers import number_in
-from rubnoise.record.reader import Reader
 from rubnoise.regular_file import is_hdf5
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
@@ -29,15 +28,6 @@ if TYPE_CHECKING:
     from rubnoise.api.run import Run
 
 AREA: Final = "area"
-OTHER_WORDS: Final = {
-    "diameter": "sizes",
-    "lifetimes": "life_distances",
-    "autocovariance": "acf",
-    "hist": "histogram",
-    "area": "trace",
-}
-"""Words that other programs have for these pictures."""
-
 TALL: Final = ("trace", "slider", "overview", "load", "lives", "lifelines", "phase", "psd")
 """Pictures of several panes, which need a column that is higher than wide."""
 
@@ -45,6 +35,29 @@ HIGH: Final = "84 mm x 110 mm"
 WIDTHS: Final = {"single": "84 mm x 60 mm", "double": "174 mm x 124 mm"}
 MICROMETRES_PER_INCH: Final = 25_400.0
 SMALLEST, LARGEST = 1.0, 40.0
+
+MEASURED: Final = {
+    "area": ("real_contact_area", "um^2", 1.0),
+    "displacement": ("displacement", "um", 1e12),
+    "velocity": ("velocity", "um/s", 1e6),
+    "force": ("friction_force", "uN", 1e6),
+    "normal-velocity": ("normal-velocity", "um/s", 1e6),
+    "load": ("load", "uN", 1e6),
+}
+"""Column and unit of a record of each quantity, and the factor from its spectrum to that of the pictures.
+
+They show um^2/Hz, (mm/s)^2/Hz and mN^2/Hz where a `PowerSpectrum` has m^2/Hz, (m/s)^2/Hz and N^2/Hz.
+"""
+
+
+def picture_named(what: Any) -> Kind:
+    """Return the picture of a run that has a name; raises Refused, with a near name, if there is none."""
+    what = "psd" if what == "spectrum" else what
+    if isinstance(what, str) and what in PICTURES:
+        return what
+    near = get_close_matches(str(what), PICTURES, n=1)
+    hint = f'; did you mean "{near[0]}"?' if near else ""
+    raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
 
 
 def drawn(
@@ -56,52 +69,32 @@ def drawn(
     stop: Any = None,
     of: str = AREA,
     beside: "Run | Trace | str | os.PathLike[str] | None" = None,
-    **look: Any,
-) -> "Figure":
-    """Draw a picture of a run and return its figure (see Run.plot)."""
-    if what is None:
-        what = "overview" if run.model().free is None else "load"
-    what = "psd" if what == "spectrum" else what
-    if not isinstance(what, str) or what not in PICTURES:
-        near = OTHER_WORDS.get(str(what)) or next(iter(get_close_matches(str(what), PICTURES, n=1)), "")
-        hint = f'; did you mean "{near}"?' if near else ""
-        raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
-    if not (beside is None or isinstance(beside, Trace) or hasattr(beside, "reader")):
-        beside = _measurement(beside, whole=what != "psd" or of != AREA)
-    ends = ("start=", start), ("stop=", stop)
-    first, last = (None if end is None else number_in(end, name, LENGTH) for name, end in ends)
-    other = beside if beside is None or isinstance(beside, Trace) else beside.reader()
-    return picture_of(run.reader(), what, (first, last), of, other, appearance(what, **look), ax=ax)
-
-
-def picture_of(
-    file: Reader,
-    what: Kind,
-    ends: tuple[float | None, float | None],
-    of: str,
-    beside: Reader | Trace | None,
-    look: Appearance,
-    *,
+    look: Appearance = AS_IT_IS,
     names: tuple[str, str] = ("of", "beside"),
-    ax: "Axes | None" = None,
 ) -> "Figure":
-    """Draw a stretch of a run and return the figure; ``names`` are the caller's own for ``of`` and ``beside``.
+    """Draw a picture of a run and return its figure (see Run.plot); ``names`` are the caller's for ``of``, ``beside``.
 
     Raises Refused for what does not go together.
     """
-    heard, other, measured = heard_of(of), None, None
-    if heard is not None and what not in HEARD:
-        raise Refused(f"{names[0]} is for psd and histogram, not for {what}")
+    usual = "overview" if run.model().free is None else "load"
+    kind, heard, other, measured = picture_named(usual if what is None else what), heard_of(of), None, None
+    if heard is not None and kind not in HEARD:
+        raise Refused(f"{names[0]} is for psd and histogram, not for {kind}")
+    if not (beside is None or isinstance(beside, Trace) or hasattr(beside, "reader")):
+        beside = _measurement(beside, whole=kind != "psd" or heard is not None)
     if isinstance(beside, Trace):
-        if what != "psd":
-            raise Refused(f"{names[1]}: a record of yours is for psd, not for {what}")
+        if kind != "psd":
+            raise Refused(f"{names[1]}: a record of yours is for psd, not for {kind}")
         measured = measured_spectrum(beside, heard)
     elif beside is not None:
-        if what not in OVERLAID and not (what == "psd" and heard):
+        if kind not in OVERLAID and not (kind == "psd" and heard):
             raise Refused(f"{names[1]}: another run is for slider, phase, load, and psd of anything but the area")
         with prefix_refusals(names[1]):
-            other = Stretch.of(beside)
-    return drawing(what, Stretch.of(file, *ends), heard=heard, beside=other, measured=measured, look=look, ax=ax)
+            other = Stretch.of(beside.reader())
+    ends = {"start=": start, "stop=": stop}
+    first, last = (None if end is None else number_in(end, name, LENGTH) for name, end in ends.items())
+    stretch = Stretch.of(run.reader(), first, last)
+    return drawing(kind, stretch, heard=heard, beside=other, measured=measured, look=look, ax=ax)
 
 
 def _measurement(path: Any, *, whole: bool) -> Trace:
@@ -114,12 +107,46 @@ def _measurement(path: Any, *, whole: bool) -> Trace:
     return Trace(path)
 
 
-def in_inches(size: str) -> tuple[float, float]:
-    """Return width and height of a picture in inches, of "84 mm x 60 mm", "single" or "double".
+def heard_of(of: str) -> Heard | None:
+    """Return the quantity of a spectrum, None for the area; raises Refused for an unknown word."""
+    of = next((short for short, whole in SHORT.items() if whole == of), of)
+    if of != AREA and of not in get_args(Heard):
+        raise Refused(f'of={of!r}: no such spectrum; there are "area", {", ".join(map(repr, get_args(Heard)))}')
+    return None if of == AREA else cast("Heard", of)
 
-    A name is the width of one column or two of a journal, 84 mm or 174 mm, with a height of five sevenths. Raises
-    Refused for anything else.
+
+def measured_spectrum(trace: Trace, heard: str | None) -> Any:
+    """Return name, places and densities of a trace to draw beside a spectrum, in the units of the picture.
+
+    Raises Refused for a trace of another quantity.
     """
+    over, (name, wanted, scale) = "um" if heard is None else "s", MEASURED[heard or AREA]
+    if trace.units[trace.place] != over:
+        raise Refused(f"{trace.name}: is over {trace.place} in {trace.units[trace.place]}; this picture needs {over}")
+    fitting = [each for each in trace if each != trace.place and trace.units[each] == wanted]
+    if name not in fitting and len(fitting) != 1:
+        present = f"there are {', '.join(fitting)}" if fitting else "it has no such column"
+        raise Refused(f"{trace.name}: needs a column {name} in units of {wanted}; {present}")
+    seen = trace.psd(name if name in fitting else fitting[0])
+    return Path(trace.name).name, seen.place[1:], scale * seen.density[1:]
+
+
+def appearance(what: Any = "", *, size: str | None = None, style: str | None = None, title: bool = True) -> Appearance:
+    """Return the appearance of a picture ``what``; raises Refused for an unknown size or style.
+
+    A size is "84 mm x 60 mm", or "single" or "double" for one column or two of a journal, 84 mm or 174 mm, with a
+    height of five sevenths; several panes one above the other need a higher column. Without a style a narrow picture
+    has that of paper.
+    """
+    inches = None if size is None else _in_inches(HIGH if size == "single" and what in TALL else size)
+    if style is None:
+        style = "paper" if inches and inches[0] < NARROW else "screen"
+    if style not in STYLES:
+        raise Refused(f"style={style!r}: no style of a picture; there are {', '.join(STYLES)}")
+    return Appearance(inches=inches, style=style, title=keywords.choice("title", title, (True, False)))
+
+
+def _in_inches(size: str) -> tuple[float, float]:
     try:
         parts = [part.strip() for part in WIDTHS.get(size, size).split(" x ")]
         width, height = (float(read_quantity(part, LENGTH)) / MICROMETRES_PER_INCH for part in parts)
@@ -128,21 +155,6 @@ def in_inches(size: str) -> tuple[float, float]:
     if not (SMALLEST <= width <= LARGEST and SMALLEST <= height <= LARGEST):
         raise Refused(f"size={size!r}: both sides have to be from 1 inch (25.4 mm) to 40 inches")
     return width, height
-
-
-def appearance(what: str = "", *, size: str | None = None, style: str | None = None, title: bool = True) -> Appearance:
-    """Return the appearance of a picture ``what`` from words; raises Refused for an unknown size or style.
-
-    Without a style a narrow picture has that of paper. Several panes one above the other need a higher column.
-    """
-    size = HIGH if size == "single" and what in TALL else size
-    inches = None if size is None else in_inches(size)
-    if style is None:
-        style = "paper" if inches and inches[0] < NARROW else "screen"
-    if style not in STYLES:
-        raise Refused(f"style={style!r}: no style of a picture; there are {', '.join(STYLES)}")
-    title = keywords.choice("title", title, (True, False))
-    return Appearance(inches=inches, style=style, title=title)
 
 
 def drawn_columns(
@@ -159,8 +171,7 @@ def drawn_columns(
         else:
             figure, panes = cast("Figure", ax.figure), np.array([ax])
         for axes, (values, label) in zip(panes, curves, strict=True):
-            several = values if isinstance(values, Mapping) else {"": values}
-            for name, each in several.items():
+            for name, each in (values if isinstance(values, Mapping) else {"": values}).items():
                 colour = style.VERMILION if name == "exact" else style.BLUE
                 axes.plot(place[0], each, color=colour, linewidth=0.8, label=name)
             axes.set_ylabel(label)
@@ -169,34 +180,3 @@ def drawn_columns(
                 style.add_legends([axes])
         panes[-1].set_xlabel(place[1])
         return figure
-
-
-def heard_of(of: str) -> Heard | None:
-    """Return the quantity of a spectrum, None for the area; raises Refused for an unknown word."""
-    of = next((short for short, whole in SHORT.items() if whole == of), of)
-    if of != AREA and of not in get_args(Heard):
-        raise Refused(f'of={of!r}: no such spectrum; there are "area", {", ".join(map(repr, get_args(Heard)))}')
-    return None if of == AREA else cast("Heard", of)
-
-
-def measured_spectrum(trace: Trace, heard: str | None) -> Any:
-    """Return name, places and densities of a trace to draw beside a spectrum, in the units of the picture.
-
-    Raises Refused for a trace of another quantity.
-    """
-    wanted, over = ("um^2", "um") if heard is None else (UNITS[heard], "s")
-    if trace.units[trace.place] != over:
-        raise Refused(f"{trace.name}: is over {trace.place} in {trace.units[trace.place]}; this picture needs {over}")
-    name = "real_contact_area" if heard is None else "friction_force" if heard == "force" else heard
-    fitting = [each for each in trace if each != trace.place and trace.units[each] == wanted]
-    if name not in fitting and len(fitting) != 1:
-        present = f"there are {', '.join(fitting)}" if fitting else "it has no such column"
-        raise Refused(f"{trace.name}: needs a column {name} in units of {wanted}; {present}")
-    seen = trace.psd(name if name in fitting else fitting[0])
-    scale = 1.0 if heard is None else PICTURED[heard]
-    return Path(trace.name).name, seen.place[1:], scale * seen.density[1:]
-
-
-UNITS: Final = {"displacement": "um", "velocity": "um/s", "force": "uN", "normal-velocity": "um/s", "load": "uN"}
-PICTURED: Final = {"displacement": 1e12, "velocity": 1e6, "force": 1e6, "normal-velocity": 1e6, "load": 1e6}
-"""From m^2/Hz, (m/s)^2/Hz and N^2/Hz to the um^2/Hz, (mm/s)^2/Hz and mN^2/Hz of the pictures."""

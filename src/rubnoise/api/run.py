@@ -1,7 +1,7 @@
 """A run, in a file or in memory: its groups of columns, its answers and its pictures."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from copy import deepcopy
 from dataclasses import replace
@@ -10,19 +10,18 @@ from functools import cached_property
 from math import inf
 from numbers import Real
 from operator import index
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
 from rubnoise.analysis.findings import from_attributes
 from rubnoise.answer import Answer, Row
-from rubnoise.api.column_group import SHORT, Columns, columns_by_group, group_rows, homes_of, names_alone
+from rubnoise.api.column_group import SHORT, Columns, columns_by_group, homes_of
 from rubnoise.api.columns import with_units
 from rubnoise.api.junction import Junction
-from rubnoise.api.keywords import shown
+from rubnoise.api.keywords import refuse_unknown, shown
 from rubnoise.errors import Refused, RunFileRefused, needing
-from rubnoise.record.reader import Attributes, Reader
+from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
 from rubnoise.storage.reader import RunFile, open_run
@@ -45,14 +44,7 @@ if TYPE_CHECKING:
 
 
 class Summary(list[Row]):
-    """The figures in the order of the file: ``run.summary[0].z``.
-
-    >>> import rubnoise
-    >>> with rubnoise.open("fig5.h5") as run:
-    ...     first = run.summary[0]
-    >>> first.name, first.z is not None and abs(first.z) < 4.0
-    ('real_contact_area_mean', True)
-    """
+    """The figures in the order of the file, shown as a table: ``run.summary[0].z``."""
 
     def _answer(self) -> Answer:
         return Answer(title="measured figures", rows=tuple(self))
@@ -83,41 +75,31 @@ class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
 class Run:
     """A run: an open result file, which is a context manager, or a `Record` in memory.
 
-    Opening reads its structure, asking for rows reads those rows. Columns are attributes, and ``run["force"]`` is
-    ``run.force``. ``area``, ``count`` and ``distance`` are those of /trace; ``force``, ``time``, ``displacement`` and
-    ``velocity`` those of /slider, or without one those of /trace, at the sliding speed. Other columns have their own
-    name if it stands in one group alone.
+    Opening reads its structure, asking for rows reads those rows. The groups of columns are attributes: ``junctions``
+    has one row a junction, in order of birth; at every tick ``trace`` has real contact area, junction count and
+    friction force, ``slider`` the slider's motion, ``load`` the normal motion on a load that weighs, ``balance`` the
+    energy of a slider that pushes back, summed up so far; ``landmarks`` are sticks, slips and reversals, flights and
+    impacts, and ``life_curve``, only in files, is the curve of every life over its size, for programs without our code.
+    To ask for a group that the run does not have raises NoGroup. ``path`` is that of the file, as it was opened,
+    ``attributes`` are those of its root: format, title, source and formula, ``provenance`` holds scenario, software,
+    seed, command and times.
 
-    >>> import rubnoise
-    >>> with rubnoise.open("fig5.h5") as run:
-    ...     print(run.trace["distance"][:3], run.trace["distance"].units)
-    [0.  0.1 0.2] um
+    Columns are attributes, too, and ``run["force"]`` is ``run.force``. ``area``, ``count`` and ``distance`` are those
+    of /trace; ``force``, ``time``, ``displacement`` and ``velocity`` those of /slider, or without one those of /trace,
+    at the sliding speed. Other columns have their own name if it stands in one group alone.
     """
 
     junctions: Columns
-    """One row a junction, in order of birth."""
-
     trace: Columns
-    """Real contact area, junction count and friction force at every tick."""
-
     slider: Columns
-    """The slider's motion at every tick; to ask raises NoGroup, as of the groups below, for a run that has none."""
-
     load: Columns
-    """The normal motion on a load that weighs, at every tick."""
-
     landmarks: Columns
-    """Sticks, slips and reversals, flights and impacts."""
-
     balance: Columns
-    """The energy of a slider that pushes back, summed up so far."""
-
     life_curve: Columns
-    """The curve of every life over its size, for programs without our code; only in files."""
 
     def __init__(self, reader: Reader) -> None:
-        self._reader = reader
-        self._groups = columns_by_group(reader)
+        self.path, self.attributes, self.provenance = reader.path, reader.attributes, reader.provenance
+        self._reader, self._groups = reader, columns_by_group(reader)
 
     def __enter__(self) -> Self:
         return self
@@ -133,11 +115,6 @@ class Run:
         """Close the file; nothing can be read from it any more."""
         if isinstance(self._reader, RunFile):
             self._reader.close()
-
-    @property
-    def path(self) -> Path:
-        """Path of the file, as it was opened."""
-        return self._reader.path
 
     def groups(self) -> dict[str, Columns]:
         """Return every group of columns by name."""
@@ -159,18 +136,8 @@ class Run:
         """The measured figures beside the exact ones, a list that is shown as a table."""
         return Summary(from_attributes(self._reader.summary))
 
-    @property
-    def attributes(self) -> Attributes:
-        """Format, title, source and formula: the attributes of the file's root."""
-        return self._reader.attributes
-
-    @property
-    def provenance(self) -> Attributes:
-        """Scenario, software, seed, command and times of the run."""
-        return self._reader.provenance
-
     def __dir__(self) -> list[str]:
-        """Return the names that an editor completes, also of groups and columns, without methods for internal use."""
+        """Return the names that an editor completes, also of groups and columns."""
         return sorted((set(super().__dir__()) - {"reader"}) | set(self.names))
 
     def __getattr__(self, name: str) -> Any:
@@ -212,7 +179,8 @@ class Run:
     @property
     def names(self) -> list[str]:
         """Names of groups, and of columns that need no group."""
-        return [*self._groups, *sorted(names_alone(self._groups))]
+        columns = {*SHORT, *(name for group in self._groups.values() for name in group)}
+        return [*self._groups, *sorted(name for name in columns if len(homes_of(self._groups, name)) == 1)]
 
     def junction(self, number: int) -> Junction:
         """Read and return one junction by its row number; raises IndexError without such a row, Refused for a touch."""
@@ -221,8 +189,8 @@ class Run:
         if not 0 <= number < len(columns):
             there = f"junctions 0 to {len(columns) - 1}" if len(columns) else "no junctions at all"
             raise IndexError(f"junction {number}: the run has {there}")
-        values = columns.row(number)
-        del values["junction"]
+        names = (name for name in columns if name != "junction")
+        values = {name: self._reader.column("junctions", name, number, number + 1)[0].item() for name in names}
         return Junction(number=number, pulse=self.model().pulse, **values | {"state": JunctionState(values["state"])})
 
     def compare(self, bound: float | None = None) -> "Comparison":
@@ -251,12 +219,10 @@ class Run:
             return replace(verify(file, regenerate=regenerate), title=f"{self._called}: verified")
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
-        """Return Welch's estimate of a power spectral density, with the exact one if theory knows it.
+        """Return Welch's estimate of a spectral density, with the exact one if theory knows it; see PowerSpectrum.
 
-        "displacement", "velocity" and "friction_force" of a slider: one-sided over Hz, in m^2/Hz, (m/s)^2/Hz, N^2/Hz;
-        "real_contact_area" and "junction_count": two-sided over rad/um, in um^4 and 1 per rad/um. ``segment`` is the
-        length of a segment in s or um, or a text such as "0.5 s"; by default there are some 64. Raises KeyError for
-        a quantity the run lacks.
+        Columns of a slider are in time, those of the trace along the distance. ``segment`` is the length of a segment
+        in s or um, or a text such as "0.5 s"; by default there are some 64. Raises KeyError for another quantity.
         """
         from rubnoise.api.estimates import spectrum_of
 
@@ -281,15 +247,14 @@ class Run:
     ) -> "Figure":
         """Draw a picture of the run beside theory, and return it as a matplotlib figure.
 
-        ``what`` is "overview", "trace", "lives", "lifelines", "histogram", "psd", "acf", "count", "sizes",
-        "life_distances", "gaps", "contact" (from above, at ``start``), "slider", "phase" or "landmarks",
-        as for `rubnoise plot`; without it "overview", or "load" of a slider that moves freely. ``of`` is whose spectrum
-        "psd" shows: "area", "force", "displacement" or "velocity". With ``ax`` it takes the place of
-        these axes, and the whole figure is returned. ``start`` and ``stop`` are sliding distances in um. ``beside`` is
-        another run, for "slider", "phase" and spectra in Hz, or for "psd" a `Trace` or its file. ``size`` is
-        "84 mm x 60 mm", or "single" or "double" for the columns of a journal; ``title`` is whether axes have titles;
-        ``style`` is "screen", "paper" (small letters and thin lines, the default below 120 mm) or "slides". Raises
-        Refused for a picture that the run does not have, PicturesMissing without matplotlib.
+        ``what`` is a name as for `rubnoise plot`; without it "overview", or "load" of a slider that moves freely.
+        ``start`` and ``stop`` are sliding distances in um ("contact" is from above, at ``start``). ``of`` is whose
+        spectrum "psd" shows: "area", "force", "displacement" or "velocity". ``beside`` is another run, for "slider",
+        "phase" and spectra in Hz, or for "psd" a `Trace` or its file. With ``ax`` it takes the place of these axes, and
+        the whole figure is returned. ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of a journal;
+        ``title`` is whether axes have titles; ``style`` is "screen", "paper" (small letters and thin lines, the default
+        below 120 mm) or "slides". Raises Refused for a picture that the run does not have, PicturesMissing without
+        matplotlib.
 
         >>> import rubnoise
         >>> with rubnoise.open("fig5.h5") as run:
@@ -297,12 +262,11 @@ class Run:
         >>> len(figure.axes)  # the spectrum, and its ratio to the exact one
         2
         """
-        from rubnoise.api.pictures import drawn
+        from rubnoise.api.pictures import appearance, drawn
 
-        for name in unknown:
-            hint = '; right form: size="84 mm x 60 mm"' if "size" in name else ""
-            raise Refused(f"{name}=: plot has no such keyword{hint}")
-        return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside, size=size, title=title, style=style)
+        refuse_unknown(unknown, tuple(Run.plot.__kwdefaults__ or ()))
+        look = appearance(what or "overview", size=size, title=title, style=style)
+        return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside, look=look)
 
     @property
     def exact(self) -> "Exact":
@@ -324,27 +288,23 @@ class Run:
         """The name of the run in messages."""
         return str(self.path)
 
-    def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
-        """Return the first line of the run's repr, and the groups that it lists below."""
+    def _shown(self) -> tuple[str, list[tuple[str, str, str]]]:
+        """Return a heading; and name, number of rows and columns of each group, as texts, but not of a closed file."""
         if isinstance(self._reader, RunFile) and self._reader.closed:
-            return f"{self.path}: a run, closed", {}
-        return f"{self.path}: {self.attributes['title']}", self._groups
+            return f"{self._called}: a run, closed", []
+        rows = [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in self._groups.items()]
+        return f"{self._called}: {self.attributes['title']}".removesuffix(": "), rows
 
     def __repr__(self) -> str:
-        heading, groups = self._heading_and_groups()
-        lines = (f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in group_rows(groups))
-        return shortened([heading, *lines])
+        heading, groups = self._shown()
+        return shortened([heading, *(f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in groups)])
 
     def _repr_html_(self) -> str:
-        heading, groups = self._heading_and_groups()
-        return as_html(heading, ("group", "rows", "columns") if groups else (), group_rows(groups))
+        heading, groups = self._shown()
+        return as_html(heading, ("group", "rows", "columns") if groups else (), groups)
 
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
-        """Return the result as an xarray DataTree: ``run.to_xarray()["trace"]``, and so for every group.
-
-        Columns above 64 MB are read when they are needed; ``index`` is as in Columns.to_xarray. Raises ExtraMissing
-        without xarray.
-        """
+        """Return the result as an xarray DataTree, ``run.to_xarray()["trace"]``; groups are as of Columns.to_xarray."""
         with needing("analysis", "to_xarray"):
             import xarray as xr
         groups = {f"/{name}": columns.to_xarray(index=index) for name, columns in self._groups.items()}
@@ -370,13 +330,12 @@ def _calculating(source: str) -> Iterator[None]:
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)
     """Open a result file for reading, its structure alone, however long the run.
 
-    Raises RunFileRefused with the reason if it is not a result of rubnoise, is damaged, or is a part that a killed run
-    has left.
+    Raises RunFileRefused if it is not a result of rubnoise, is damaged, or is a part that a killed run has left.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
-    ...     run.scenario.title, run.junction(17).diameter > 0.0
-    ('Figure 5: excitation force and vibration', True)
+    ...     print(run.scenario.title, run.trace["distance"][:3], run.trace["distance"].units)
+    Figure 5: excitation force and vibration [0.  0.1 0.2] um
     """
     try:
         return Run(open_run(path))

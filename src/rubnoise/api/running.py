@@ -8,7 +8,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, cast
 
-from rubnoise.api.column_group import Columns
 from rubnoise.api.run import Run
 from rubnoise.api.scenarios import load
 from rubnoise.errors import Refused
@@ -30,35 +29,19 @@ from rubnoise.theory.exact import exact as exact_of_model
 
 
 class Record(Run):
-    """A run kept in memory: ``record.trace["real_contact_area"]``, ``record.junction(17)``, ``record.plot("slider")``.
+    """A run kept in memory: ``record.trace["real_contact_area"]``, with groups and columns named as in a file."""
 
-    Groups and columns are named as in a file.
+    _called = "a run in memory"
+    _reader: KeptRun
 
-    >>> import rubnoise
-    >>> record = rubnoise.simulate("paper/fig5", seed=7)
-    >>> record.scenario.run.seed, len(record.trace), record.compare().passed
-    (7, 200001, True)
-    """
-
-    _reader: "KeptRun"
-
-    def __init__(self, kept: "KeptRun") -> None:
+    def __init__(self, kept: KeptRun) -> None:
         super().__init__(kept)
         self.scenario = kept.scenario
-
-    def reader(self) -> "KeptRun":
-        """Return the rows and what their file would say."""
-        return self._reader
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Run:
         """Write the run into a result file and open it: the bits are those of `rubnoise.run`.
 
         ``force`` allows an existing file to be replaced. Raises OutputRefused if the file may not be written.
-
-        >>> import rubnoise
-        >>> with rubnoise.simulate("paper/fig4", seed=7).save("kept.h5", force=True) as run:
-        ...     run.provenance["seed"]
-        7
         """
         check_output(path, force=force)
         check_disk_space(expected(self.scenario), path)
@@ -69,17 +52,9 @@ class Record(Run):
         return Run(open_run(path))
 
     @contextmanager
-    def _file_of(self) -> "Iterator[RunFile]":
+    def _file_of(self) -> Iterator[RunFile]:
         with TemporaryDirectory(prefix="rubnoise-") as folder, self.save(Path(folder) / "record.h5") as run:
             yield run.reader()  # type: ignore[misc]
-
-    @property
-    def _called(self) -> str:
-        return "the run in memory"
-
-    def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
-        title = self.scenario.title
-        return f"a run in memory: {title}" if title else "a run in memory", self._groups
 
 
 def simulate(
@@ -94,19 +69,25 @@ def simulate(
     """Run a scenario and keep the result in memory: ``simulate("paper/fig5").trace["real_contact_area"]``.
 
     The scenario is a Scenario, a file, or the name of one that comes with rubnoise. ``seed`` replaces its seed, and
-    ``engine``, "events" or "batch", its engine.
-    ``observe`` is called at births, deaths, sticks and so on, when they happen, and changes nothing.
-    ``intervene(env, live)`` is a SimPy process beside those of the junctions, which begins at the start. ``env.now`` is
-    the distance in um, and ``live`` the LiveJunctions, of which it may end some. An exception of either ends the run.
-    Raises ScenarioRefused for an invalid seed. Raises Refused if the memory is too small for the result, for an invalid
-    observer or intervention, or for one with the engine "batch".
+    ``engine``, "events" or "batch", its engine. ``observe`` is called at births, deaths, sticks and so on, when they
+    happen, and changes nothing. ``intervene(env, live)`` is a SimPy process beside those of the junctions, which begins
+    at the start. ``env.now`` is the distance in um, and ``live`` the LiveJunctions, of which it may end some. An
+    exception of either ends the run. Raises ScenarioRefused for an invalid seed, Refused if the memory is too small,
+    for an invalid observer or intervention, or for one with the engine "batch".
 
     >>> import rubnoise
     >>> record = rubnoise.simulate("paper/fig5", seed=7)
-    >>> len(record.trace), record.trace["real_contact_area"].units
-    (200001, 'um^2')
+    >>> record.trace["real_contact_area"].units, len(record.trace), record.compare().passed
+    ('um^2', 200001, True)
     """
-    return _in_memory(_asked(scenario, seed, engine, unknown, observe, intervene), observe, intervene)
+    scenario = _asked(scenario, seed, engine, unknown, observe, intervene)
+    model, seed, budget = scenario.model(), scenario.run.seed, expected(scenario)
+    check_memory(budget, kept_bytes=budget.result_bytes)
+    intervention = "" if intervene is None else name_of(intervene)
+    kept = KeptRun(extent=extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
+    run_model(model, seed, kept, engine=cast(Engine, scenario.run.engine), observe=observe, intervene=intervene)
+    kept.protect()
+    return Record(kept)
 
 
 def run(
@@ -121,23 +102,22 @@ def run(
     intervene: Intervention | None = None,
     **unknown: Any,
 ) -> Run:
-    """Run a scenario into a result file and open it; without a path keep it in memory, as `simulate` does.
+    """Run a scenario into a result file and open it; without a path keep it in memory.
 
-    ``seed`` replaces the seed of the scenario. ``force`` allows an existing file to be replaced, when the new one is
-    complete. ``command`` is the command line that /provenance shows. ``watch`` is called at the start, before anything
-    is created, and after each tick range. ``observe`` and ``intervene`` are as in `simulate`; /provenance names an
-    intervention. An exception of either, or a signal, ends the run, and nothing of it remains; the same call gives the
-    same bits. Raises OutputRefused before anything is created, also if another process writes the same result. Raises
-    ScenarioRefused for an invalid seed, and Refused if the memory is too small or `simulate` would refuse.
+    ``scenario``, ``seed``, ``observe`` and ``intervene`` are as in `simulate`; /provenance names an intervention, and
+    shows ``command`` as the command line. ``force`` allows an existing file to be replaced, when the new one is
+    complete. ``watch`` is called at the start, before anything is created, and after each tick range. An exception, or
+    a signal, ends the run, and nothing of it remains; the same call gives the same bits. Raises what `simulate` raises,
+    and OutputRefused before anything is created, also if another process writes the same result.
 
     >>> import rubnoise
     >>> with rubnoise.run("paper/fig4", "fig4.h5", seed=7, force=True) as run:
     ...     run.provenance["seed"]
     7
     """
-    scenario = _asked(scenario, seed, None, unknown, observe, intervene)
     if path is None:
-        return _in_memory(scenario, observe, intervene)
+        return simulate(scenario, seed, observe=observe, intervene=intervene, **unknown)
+    scenario = _asked(scenario, seed, None, unknown, observe, intervene)
     check_output(path, force=force, reads=scenario.files)
     check_disk_space(expected(scenario), path)
     description = describe(scenario, path, command or this_command(), intervene)
@@ -173,15 +153,3 @@ def _asked(source: Any, seed: int | None, engine: Engine | None, unknown: Mappin
     scenario = scenario if engine is None else scenario.replace(engine=engine)
     check_guests(scenario.model(), cast(Engine, scenario.run.engine), *guests)
     return scenario
-
-
-def _in_memory(scenario: Scenario, observe: Observer | None, intervene: Intervention | None) -> Record:
-    """Run a scenario and keep the result in memory."""
-    model, engine, seed = scenario.model(), cast(Engine, scenario.run.engine), scenario.run.seed
-    budget = expected(scenario)
-    check_memory(budget, kept_bytes=budget.result_bytes)
-    intervention = "" if intervene is None else name_of(intervene)
-    kept = KeptRun(extent=extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
-    run_model(model, seed, kept, engine=engine, observe=observe, intervene=intervene)
-    kept.protect()
-    return Record(kept)

@@ -58,12 +58,8 @@ class Surface:
         length of its rows first. ``channel`` names one of several maps, ``turn`` slides along the second index.
         Raises Refused for what cannot be read, and for a map longer than 1 m or steeper than 10.
         """
-        told = Told(
-            unit=unit,
-            height_unit=height_unit,
-            size=None if size is None else _two_lengths("size", size),
-            channel=channel,
-        )
+        sides = None if size is None else _two_lengths("size", size)
+        told = Told(unit=unit, height_unit=height_unit, size=sides, channel=channel)
         return cls._of_scan(read_scan(Path(path), told), form, turn=turn)
 
     @classmethod
@@ -110,17 +106,16 @@ class Surface:
         """
         side, step = keywords.count("points", points, 1 << 20), _needed("spacing", spacing, LENGTH)
         shortest = keywords.quantity("cutoff", cutoff, LENGTH) or 5.0 * step
-        return cls(
-            self_affine(
-                points=side,
-                spacing=step,
-                roughness=_needed("roughness", roughness, LENGTH),
-                hurst=float(hurst),
-                rolloff=keywords.quantity("rolloff", rolloff, LENGTH) or max(side * step / 16.0, 2.0 * shortest),
-                cutoff=shortest,
-                seed=keywords.count("seed", seed, 2**53 - 1),
-            )
+        made = self_affine(
+            points=side,
+            spacing=step,
+            roughness=_needed("roughness", roughness, LENGTH),
+            hurst=float(hurst),
+            rolloff=keywords.quantity("rolloff", rolloff, LENGTH) or max(side * step / 16.0, 2.0 * shortest),
+            cutoff=shortest,
+            seed=keywords.count("seed", seed, 2**53 - 1),
         )
+        return cls(made)
 
     @property
     def heights(self) -> Doubles:
@@ -167,29 +162,27 @@ class Surface:
         """
         if cutoff is None:
             raise Refused('cutoff=: the number of junctions has no value without it; right form: cutoff="5 um"')
-        other = self.map.turned() if slider is None else slider.map
-        return SlidingContact(
-            scans=(self.map, other),
+        return self._under(
+            slider,
             load=_needed("load", load, FORCE),
             hardness=_needed("hardness", hardness, STRESS),
             cutoff=_needed("cutoff", cutoff, LENGTH),
             longest=keywords.quantity("longest", longest, LENGTH),
-            slider_length=keywords.quantity("slider_length", slider_length, LENGTH) or other.size[0],
+            slider_length=keywords.quantity("slider_length", slider_length, LENGTH),
         )
 
     def count_over_cutoff(
         self, slider: "Surface | None" = None, *, share: float = 0.01, longest: Any = None
     ) -> tuple[Doubles, Doubles]:
         """Return cut-offs in um and N_jm at each, at a share of the area in contact."""
+        other, limit = self if slider is None else slider, keywords.quantity("longest", longest, LENGTH)
+        shortest = 2.0 * max(*self.map.spacing, *other.map.spacing)
+        load = share * other.map.area
+        return self._under(slider, load=load, hardness=1.0, cutoff=shortest, longest=limit).count_over_cutoff()
+
+    def _under(self, slider: "Surface | None", *, slider_length: float | None = None, **given: Any) -> SlidingContact:
         other = self.map.turned() if slider is None else slider.map
-        return SlidingContact(
-            scans=(self.map, other),
-            load=share * other.area,
-            hardness=1.0,
-            cutoff=2.0 * max(*self.map.spacing, *other.spacing),
-            longest=keywords.quantity("longest", longest, LENGTH),
-            slider_length=other.size[0],
-        ).count_over_cutoff()
+        return SlidingContact(scans=(self.map, other), slider_length=slider_length or other.size[0], **given)
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the map as netCDF, in the form that SurfaceTopography reads; refuses an existing file unless forced."""

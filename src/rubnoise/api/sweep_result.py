@@ -2,10 +2,10 @@
 
 import os
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import cached_property
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -21,7 +21,7 @@ from rubnoise.figure_names import FAILED, STATES
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import ABOUT, file_of, name_in, scenario_in
-from rubnoise.storage.index import Filled, Index, read_index
+from rubnoise.storage.index import Index, read_index
 from rubnoise.storage.reader import refusing
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import KINDS, RATIO
@@ -53,19 +53,26 @@ class SweepResult:
 
     ``runs`` has one row a run, point after point: `run_id`, `point`, `replicate`, the swept keys by their names,
     `seed`, `file`, `state` and `reason`, and every figure of /summary of the runs that are done. ``points`` has one row
-    a point, ``path`` is the folder, as it was opened, and ``index`` what its index says.
-
-    >>> import rubnoise
-    >>> with rubnoise.sweep("scenarios/paper/fig9.toml", "fig9", jobs=1) as sweep:
-    ...     sweep.keys, sweep.count("done")
-    (('interface.mean_junction_count',), 5)
+    a point. ``keys`` are the swept keys: of them those of ``grid`` are combined with all values of the others, those
+    ``side_by_side`` are not; ``values`` are theirs at every point, as written. ``figures`` are the names of measured
+    figures, without exact values and standard errors, ``summaries`` those of arrays beyond single figures.
+    ``attributes`` hold the sweep's file as read, the command, and when and by what the index was written. ``path`` is
+    the folder, as it was opened, ``name`` its name, ``title`` that of the sweep.
     """
 
     def __init__(self, path: Path, index: Index) -> None:
-        self.path = path
-        self.index: Final = index
-        self.runs = _table("runs", index.runs)
-        self.points = _table("points", index.points)
+        self.path, self.index, self.attributes = path, index, index.texts
+        self.name, self.title = path.resolve().name, index.texts["title"]
+        self.runs, self.points = (
+            Table(name, [Column(each.values, each.about) for each in columns.values()], f"the {name} of a sweep")
+            for name, columns in {"runs": index.runs, "points": index.points}.items()
+        )
+        self.grid, self.side_by_side = index.swept("grid"), index.swept("side_by_side")
+        self.keys: tuple[str, ...] = index.keys
+        self.values = tuple({key: values[key] for key in self.keys} for values in index.values)
+        self.summaries = tuple(index.summaries)
+        about, ends = {*ABOUT, *self.keys}, ("_exact", "_standard_error")
+        self.figures = tuple(each for each in self.runs.names if each not in about and not each.endswith(ends))
 
     def __enter__(self) -> Self:
         return self
@@ -75,47 +82,6 @@ class SweepResult:
 
     def close(self) -> None:
         """Do nothing, since everything has been read; here so that a result of a sweep is used as one of a run is."""
-
-    @property
-    def name(self) -> str:
-        """The name of the folder."""
-        return self.path.resolve().name
-
-    @property
-    def title(self) -> str:
-        """Title of the sweep."""
-        return self.index.texts["title"]
-
-    @property
-    def attributes(self) -> Mapping[str, str]:
-        """The attributes of the index: the sweep's file as read, the command, and when and by what it was written."""
-        return self.index.texts
-
-    @property
-    def grid(self) -> tuple[str, ...]:
-        """The swept keys whose values are combined with all values of the others."""
-        return self.index.swept("grid")
-
-    @property
-    def side_by_side(self) -> tuple[str, ...]:
-        """The swept keys whose values go side by side."""
-        return self.index.swept("side_by_side")
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """All swept keys."""
-        return self.index.keys
-
-    @cached_property
-    def values(self) -> tuple[dict[str, Any], ...]:
-        """The swept values of every point, by key, as written in the file."""
-        return tuple({key: values[key] for key in self.keys} for values in self.index.values)
-
-    @property
-    def figures(self) -> tuple[str, ...]:
-        """The names of the measured figures, without their exact values and standard errors."""
-        known, ends = {*ABOUT, *self.keys}, ("_exact", "_standard_error")
-        return tuple(name for name in self.runs.names if name not in known and not name.endswith(ends))
 
     @property
     def failures(self) -> list[Failure]:
@@ -146,8 +112,7 @@ class SweepResult:
 
         A key goes by its last word too, if no other swept key ends with it. A value is a text with a unit, a number in
         working units or a quantity of pint. Runs on the same seed are compared pair by pair, since what they have in
-        common cancels. Raises KeyError for a figure that no run has or a key that is not swept, ValueError if there is
-        no such point, Refused for a value of another kind.
+        common cancels. Raises KeyError for a figure or a key that is not there, ValueError if there is no such point.
         """
         from rubnoise.analysis.replicates import pooled, ratio, ratio_of_pairs
 
@@ -155,8 +120,7 @@ class SweepResult:
         if key not in self.keys:
             raise KeyError(f"{key} is not swept; swept: {', '.join(self.keys)}")
         figures, seeds, point = self._numbers(figure), self.runs["seed"][:], self.runs["point"][:]
-        chosen = self._points_with(key, value)
-        found = []
+        chosen, found = self._points_with(key, value), []
         for number, values in enumerate(self.values):
             alike = [other for other in chosen if {**self.values[other], key: None} == {**values, key: None}]
             if not alike:
@@ -175,10 +139,7 @@ class SweepResult:
         return self.runs[figure][:]
 
     def run(self, run_id: str) -> Run:
-        """Open the result of a run by its name; raises KeyError for an unknown name.
-
-        Raises RunFileRefused if there is no file, or if it is the result of another run.
-        """
+        """Open the result of a run by its name; raises KeyError for an unknown one, RunFileRefused without its file."""
         rows = np.flatnonzero(self.runs["run_id"][:] == run_id)
         if not rows.size:
             raise KeyError(f"{self.path}: no run is named {run_id}")
@@ -196,11 +157,6 @@ class SweepResult:
         with refusing(self.path / INDEX):
             return self.index.scenario(point)
 
-    @property
-    def summaries(self) -> tuple[str, ...]:
-        """The names of arrays of runs and points, beyond single figures."""
-        return tuple(self.index.summaries)
-
     def summary(self, name: str) -> NDArray[Any]:
         """Read one of ``summaries``: one row a run, or a point; raises KeyError for an unknown name."""
         return self.index.summaries[name].copy()
@@ -215,22 +171,23 @@ class SweepResult:
             return labelled(self)
 
     def to_pandas(self) -> "pd.DataFrame":
-        """Return one row for each run as a DataFrame: see `runs`; raises ExtraMissing without pandas."""
+        """Return `runs` as a pandas DataFrame; raises ExtraMissing without pandas."""
         return self.runs.to_pandas()
 
-    def _listed(self) -> tuple[str, list[tuple[str, str]]]:
-        """Return the numbers of points and runs, and the values of each key, as texts."""
-        states = ", ".join(f"{self.count(state):,} {state}" for state in STATES)
-        values = [(key, ", ".join(dict.fromkeys(str(point[key]) for point in self.values))) for key in self.keys]
-        return f"{len(self.points):,} points, {states}", values
+    def _rows(self) -> list[tuple[str, str]]:
+        """Return each key with its values, as texts."""
+        return [(key, ", ".join(dict.fromkeys(str(point[key]) for point in self.values))) for key in self.keys]
+
+    @property
+    def _counts(self) -> str:
+        return f"{len(self.points):,} points, {', '.join(f'{self.count(state):,} {state}' for state in STATES)}"
 
     def __repr__(self) -> str:
-        counts, values = self._listed()
-        return shortened([f"{self.path}: {self.title}", f"  {counts}", *(f"  {key}: {text}" for key, text in values)])
+        values = (f"  {key}: {text}" for key, text in self._rows())
+        return shortened([f"{self.path}: {self.title}", f"  {self._counts}", *values])
 
     def _repr_html_(self) -> str:
-        counts, values = self._listed()
-        return as_html(f"{self.path}: {self.title}", ("key", "values"), values, counts)
+        return as_html(f"{self.path}: {self.title}", ("key", "values"), self._rows(), self._counts)
 
     def plot(
         self,
@@ -264,11 +221,6 @@ class SweepResult:
         return np.flatnonzero(np.isclose(column[:], number, rtol=_ROUNDING, atol=0.0)).tolist()
 
 
-def _table(name: str, columns: Mapping[str, Filled]) -> Table:
-    filled = {each: Column(column.values, column.about) for each, column in columns.items()}
-    return Table(name, filled, f"the {name} of a sweep")
-
-
 def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
     """Open the folder of a sweep, finished or not; raises RunFileRefused if it has no index of ours.
 
@@ -278,14 +230,12 @@ def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
     ...     sweep.count("done"), sweep.failures
     (5, [])
     """
-    index = Path(folder) / INDEX
     try:
-        index.stat()
-    except (FileNotFoundError, NotADirectoryError) as problem:
-        raise RunFileRefused(f"{folder}: no folder of a sweep: it has no {INDEX}") from problem
-    except OSError as problem:
-        raise RunFileRefused(f"{index}: {str(problem.strerror).lower()}") from problem
-    return SweepResult(Path(folder), read_index(index))
+        return SweepResult(Path(folder), read_index(Path(folder) / INDEX))
+    except RunFileRefused as refused:
+        if isinstance(refused.__cause__, FileNotFoundError | NotADirectoryError):
+            raise RunFileRefused(f"{folder}: no folder of a sweep: it has no {INDEX}") from refused
+        raise
 
 
 REPLICATE: Final = "replicate"
@@ -293,50 +243,38 @@ SIDE_BY_SIDE: Final = "side_by_side"
 
 
 def labelled(sweep: "SweepResult") -> "xr.Dataset":
-    """Return the runs of a sweep as an xarray Dataset on the grid of its keys and replicates."""
+    """Return the runs of a sweep as an xarray Dataset on the grid of its keys and replicates.
+
+    Points lie on the grid row by row. Where a point has fewer runs there is nan, an empty text, or -1.
+    """
     import xarray as xr
 
-    coordinates, places = {}, {}
-    for key in sweep.grid:
-        values, places[key] = _axis(sweep.points[key].tolist())
-        coordinates[key] = xr.Variable((key,), values, sweep.points[key].attributes)
+    swept: dict[str, tuple[str, ...]] = {key: (key,) for key in sweep.grid}
+    sizes, coordinates = [len(set(sweep.points[key].tolist())) for key in sweep.grid], {}
     if sweep.side_by_side:
-        rows, places[SIDE_BY_SIDE] = _axis(
-            zip(*(sweep.points[key].tolist() for key in sweep.side_by_side), strict=True)
-        )
-        coordinates[SIDE_BY_SIDE] = xr.Variable((SIDE_BY_SIDE,), np.arange(len(rows)))
-        for key, of_rows in zip(sweep.side_by_side, zip(*rows, strict=True), strict=True):
-            coordinates[key] = xr.Variable((SIDE_BY_SIDE,), np.array(of_rows), sweep.points[key].attributes)
-    of_runs = {name: numbers[sweep.runs["point"].values] for name, numbers in places.items()}
-    of_runs[REPLICATE] = sweep.runs[REPLICATE].values
-    shape = tuple(int(numbers.max(initial=0)) + 1 for numbers in of_runs.values())
+        swept[SIDE_BY_SIDE] = sweep.side_by_side
+        sizes.append(len(sweep.points) // prod(sizes))
+        coordinates[SIDE_BY_SIDE] = xr.Variable((SIDE_BY_SIDE,), np.arange(sizes[-1]))
+    for axis, (dimension, keys) in enumerate(swept.items()):
+        along = np.arange(sizes[axis]) * prod(sizes[axis + 1 :])
+        for key in keys:
+            coordinates[key] = xr.Variable((dimension,), sweep.points[key].values[along], sweep.points[key].attributes)
+    replicates = sweep.runs[REPLICATE].values
+    places = (*np.unravel_index(sweep.runs["point"].values, sizes), replicates)
     figures = [name for name in sweep.runs.names if sweep.figures and name.startswith(sweep.figures)]
     variables = {}
     for name in ("run_id", "file", "state", "seed", *figures):
         column = sweep.runs[name]
-        grid = _spread(column.values, shape, tuple(of_runs.values()))
-        variables[name] = xr.Variable(tuple(of_runs), grid, column.attributes)
+        missing: Any = np.nan if column.dtype.kind == "f" else "" if column.dtype.kind == "U" else -1
+        grid: NDArray[Any] = np.full((*sizes, int(replicates.max()) + 1), missing, dtype=column.dtype)
+        grid[places] = column
+        variables[name] = xr.Variable((*swept, REPLICATE), grid, column.attributes)
     words = short_names(sweep.keys, {*coordinates, *sweep.runs.names})
     coordinates |= {word: coordinates[key].copy() for key, word in words.items()}
     found = xr.Dataset(variables, coords=coordinates, attrs={"title": sweep.title})
     for word in words.values():  # without an index .sel would not find values by the short names
         found = found.set_xindex(word)
     return found
-
-
-def _axis(values: Iterable[Any]) -> tuple[list[Any], NDArray[np.int64]]:
-    """Return different values in order of appearance, and the number of each value."""
-    numbers: dict[Any, int] = {}
-    places = [numbers.setdefault(value, len(numbers)) for value in values]
-    return list(numbers), np.array(places, dtype=np.int64)
-
-
-def _spread(values: NDArray[Any], shape: tuple[int, ...], places: tuple[NDArray[np.int64], ...]) -> NDArray[Any]:
-    """Return values on the grid; places without a run have nan, an empty text, or -1."""
-    missing: Any = np.nan if values.dtype.kind == "f" else "" if values.dtype.kind == "U" else -1
-    grid: NDArray[Any] = np.full(shape, missing, dtype=values.dtype)
-    grid[places] = values
-    return grid
 
 
 def short_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, str]:

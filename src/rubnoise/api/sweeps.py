@@ -37,17 +37,16 @@ def sweep(
 ) -> SweepResult:
     """Make every run of a sweep that is not done, and open its folder: ``sweep("paper/fig9", "fig9")``.
 
-    The sweep is a Sweep, a file, or the name of one that comes with rubnoise. With ``grid``, such as
-    ``{"sliding.speed": ["0.5 mm/s", "1 mm/s"]}``, it is a Scenario, a file or a name that the grid and ``replicates``
-    (1 by default) make many runs of; a key of only one table needs no dots. Further keywords change keys of that
-    scenario, as in `Scenario.replace`; several values, ``speed=["0.5 mm/s", "1 mm/s"]``, belong to the grid. Without a
-    folder its runs lie in a temporary one, which goes with this process. ``jobs`` processes share the work, by default
-    one for each processor. Or an ``executor`` makes the runs: the address or the client of a Dask scheduler, or
-    anything with ``submit(function, *arguments)`` that returns a Future, which gets ``jobs`` calls at a time.
-    ``shard`` "2/8" makes the second eighth.
-    After a failed run the others continue; see ``.failures``. Raises ScenarioRefused. Raises OutputRefused for a folder
-    of something else, or that holds the runs of another scenario, which ``force`` leaves there, or that has no room on
-    its disk. Raises Refused if memory is too small for so many runs at once.
+    The sweep is a Sweep, a file, or the name of one that comes with rubnoise; or a Scenario, its file or its name, of
+    which ``grid``, such as ``{"sliding.speed": ["0.5 mm/s", "1 mm/s"]}``, and ``replicates`` (1 by default) make many
+    runs. Further keywords change keys of that scenario, as in `Scenario.replace`; several values,
+    ``speed=["0.5 mm/s", "1 mm/s"]``, belong to the grid. Without a folder its runs lie in a temporary one, which goes
+    with this process. ``jobs`` processes share the work, by default one for each processor; or an ``executor`` makes
+    the runs: the address or the client of a Dask scheduler, or anything with ``submit(function, *arguments)`` that
+    returns a Future, which gets ``jobs`` calls at a time. ``shard`` "2/8" makes the second eighth. After a failed run
+    the others continue; see ``.failures``. Raises ScenarioRefused; OutputRefused for a folder of something else, or
+    that holds the runs of another scenario, which ``force`` leaves there, or that has no room on its disk; Refused if
+    memory is too small for so many runs at once.
 
     >>> import rubnoise
     >>> with rubnoise.sweep("paper/fig9", "fig9", jobs=1) as sweep:
@@ -85,16 +84,12 @@ def _sweep_of(
     several: dict[str, Any] = {name: each for name, each in over.items() if isinstance(each, list | tuple | np.ndarray)}
     over = {name: value for name, value in over.items() if name not in several}
     grid = {**several, **(grid or {})} if several else grid
-    as_it_is = grid is None and replicates is None and not over
+    if grid is None and replicates is None and not over and not isinstance(source, Scenario):
+        return source if isinstance(source, Sweep) else load_sweep(source)
     if isinstance(source, Sweep):
-        if not as_it_is:
-            raise Refused("grid=: a Sweep has its own grid and replicates; give a Scenario")
-        return source
-    if as_it_is and not isinstance(source, Scenario):
-        return load_sweep(source)
+        raise Refused("grid=: a Sweep has its own grid and replicates; give a Scenario")
     scenario = load(source)
-    if over:
-        scenario = scenario.replace(**over)
+    scenario = scenario.replace(**over) if over else scenario
     if not grid and replicates is None:
         raise Refused('grid= is needed for one scenario, such as grid={"sliding.speed": ["0.5 mm/s", "1 mm/s"]}')
     keys = scenario.resolved()
@@ -103,32 +98,21 @@ def _sweep_of(
     axes = _axes(scenario, grid or {})
     if {"diameter.file", "diameter.column"} & axes.keys():
         keys["diameter"] = {key: value for key, value in keys["diameter"].items() if key not in ("values", "hash")}
-    table: dict[str, Any] = {"grid": axes}
-    if replicates is not None:
-        table["replicates"] = plain(replicates)
+    table = {"grid": axes} | ({} if replicates is None else {"replicates": plain(replicates)})
     return loads_sweep(text_of({**keys, "sweep": table}), "grid", read=sizes_of)
 
 
 def _axes(scenario: Scenario, grid: Mapping[str, Any]) -> dict[str, list[Any]]:
-    """Return a grid by full keys, each with its values; raises Refused for an unknown or repeated key."""
+    """Return a grid by full keys, each with its values in the form of a file; raises Refused for a wrong one."""
     axes: dict[str, list[Any]] = {}
     for name, values in grid.items():
         if not isinstance(name, str):
             raise Refused(f"grid=: {name!r:.40} is no name of a key")
-        key = ".".join(part for part in place_of(name, scenario.given, "grid=") if part)
+        key = ".".join(filter(None, place_of(name, scenario.given, "grid=")))
         if key in axes:
             raise Refused(f"grid=: {name}: {key} is there already; name it once")
-        axes[key] = _values(key, values)
+        if isinstance(values, str | Mapping) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0:
+            one = keywords.shown(values)
+            raise Refused(f'grid=: {key}: {one}: a list of values is needed; right form: grid={{"{key}": [{one}]}}')
+        axes[key] = [keywords.unit_text(plain(each)) for each in values]
     return axes
-
-
-def _values(key: str, values: Any) -> list[Any]:
-    """Return the values of a key in the form of a file: numbers of Python, and texts for quantities of pint."""
-    try:
-        several = None if isinstance(values, str | Mapping) else list(values)
-    except TypeError:
-        several = None
-    if several is None:
-        one = keywords.shown(values)
-        raise Refused(f'grid=: {key}: {one}: a list of values is needed; right form: grid={{"{key}": [{one}]}}')
-    return [keywords.unit_text(plain(each)) for each in several]

@@ -15,14 +15,13 @@ from rubnoise.api import keywords
 from rubnoise.api.column_group import Table
 from rubnoise.api.columns import Column, with_units
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
-from rubnoise.api.given_columns import columns_of, source_of
+from rubnoise.api.given_columns import sampled
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused, refusing_files
+from rubnoise.errors import Refused
 from rubnoise.inference.signal import clipped, digits
-from rubnoise.real_numbers import check_unit, with_unit
-from rubnoise.storage.foreign import opened
-from rubnoise.storage.measured import Source, measured
-from rubnoise.units import AREA, BESIDE, FORCE, FREQUENCY, KINDS, LENGTH, MASS, NONE, SPEED, STRESS, TIME, parse_unit
+from rubnoise.real_numbers import check_unit
+from rubnoise.storage.measured import Source
+from rubnoise.units import AREA, BESIDE, FORCE, KINDS, LENGTH, MASS, NONE, SPEED, STRESS, TIME, parse_unit
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
 """Kinds whose units are converted to the working unit."""
@@ -33,10 +32,7 @@ class Trace(Table):
 
     ``trace["force"]`` is a column with its unit, ``units`` are those of all; ``step`` is the spacing of places.
     Lengths, areas, speeds, forces, stresses, masses and times are converted to um, um^2, um/s, uN, MPa, kg and s; other
-    units, such as V, stay as they are. ``Trace("trace.csv")`` reads a file as `from_csv` does, with the options of
-    `infer`, and ``Trace(values, rate="10 kHz", unit="N")`` takes one array as `from_array` does; `from_arrays` takes
-    several. A table of pandas or xarray and the trace of a run are taken with their places and units. ``notes`` say
-    what is remarkable in a file.
+    units, such as V, stay as they are. ``notes`` say what is remarkable in a file.
 
     >>> import rubnoise
     >>> measured = rubnoise.Trace.from_arrays({"time (s)": [0.0, 0.1, 0.2], "velocity (mm/s)": [1.0, 2.0, 1.5]})
@@ -58,7 +54,7 @@ class Trace(Table):
         name: str | None = None,
         **unknown: Any,
     ) -> None:
-        """Read a file, or take an array with a ``rate`` and a ``unit``.
+        """Read a file, take a table of pandas or xarray, a run's trace, or one array with a ``rate`` and a ``unit``.
 
         Of a file or a table all columns of numbers are kept, or ``column`` and its places alone; ``unit`` replaces the
         unit that a file gives it.
@@ -69,29 +65,23 @@ class Trace(Table):
         and uneven steps. Source: docs/your-data.md.
         """
         keywords.refuse_unknown(unknown, tuple(Trace.__init__.__kwdefaults__ or ()))
-        part = {"column": column, "time": time, "from_": from_, "to": to}
-        if isinstance(source, str | os.PathLike):
-            _refuse(f"of a file, which says it: {source}", name=name)
-            name, asked = str(source), keywords.asked(place=place, rate=rate, **part)
-            with refusing_files(source):
-                found = measured(opened(source, asked.column), asked, every=True)
-        else:
-            name, first = name or "trace", "1" if (place, time, rate) == (None, None, None) else place
-            columns = columns_of(source, sampled=rate is not None)
-            if columns is None:
-                _refuse("of an array, whose place is time", place=place, time=time, column=column)
-                columns, first, rate, unit = _of_array(source, name, rate, unit), "1", None, None
-            found = measured(source_of(columns, name), keywords.asked(place=first, rate=rate, **part), every=True)
-        name, columns, self.step, self.notes = _traced(found, name, unit)
+        asked = keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to)
+        of_file = isinstance(source, str | os.PathLike)
+        if of_file and name is not None:
+            raise Refused(f"name=: {keywords.shown(name)}: has no effect on a trace of a file, which says it: {source}")
+        name = str(source) if of_file else name or "trace"
+        found = sampled(source, asked, name, unit=unit or "", every=True)
+        if not found.path and not found.head.unit:
+            raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
+        columns, notes = _in_working_units(found, unit if found.path else None)
         super().__init__(name, columns)
-        self.place = self.names[0]
+        self.step, self.notes, self.place = found.step, notes, self.names[0]
 
     @classmethod
     def from_array(cls, values: ArrayLike, *, rate: Any = None, unit: str | None = None, name: str = "trace") -> Self:
-        """Make a trace of one array that was sampled at a ``rate`` such as "10 kHz", in a ``unit`` such as "N".
+        """Make a trace of one array, with the columns `time` and ``name``; raises Refused without a rate or a unit.
 
-        Its columns are `time` and ``name``. Quantities of pint have their unit, or are converted to ``unit``. Raises
-        Refused without a rate or a unit.
+        Quantities of pint have their unit, or are converted to ``unit``.
         """
         return cls(values, rate=rate, unit=unit, name=name)
 
@@ -104,7 +94,7 @@ class Trace(Table):
     def from_arrays(
         cls, columns: Mapping[str, ArrayLike], *, place: str | int | None = None, name: str = "<python>"
     ) -> Self:
-        """Make a trace of arrays of equal length, with headers as names; raises Refused as `from_csv` does.
+        """Make a trace of arrays of equal length, with headers such as "force (N)" as names.
 
         Quantities of pint are converted to the unit of their header, or have their own if it names none. ``place`` is
         the column of places, by default the first.
@@ -129,49 +119,36 @@ class Trace(Table):
         if len(range(len(self))[name]) < 2:
             raise Refused(f"{self.name}: a trace needs two rows or more")
         part = copy(self)
-        super(Trace, part).__init__(self.name, {each: rows[name] for each, rows in self.items()})
+        super(Trace, part).__init__(self.name, [rows[name] for rows in self.values()])
         part.step = self.step * (name.step or 1)
         return part
 
     def psd(self, name: str | None = None, *, segment: Any = None) -> PowerSpectrum:
         """Return Welch's estimate of the spectrum of a column; see PowerSpectrum.
 
-        ``segment`` is the length of a segment with its unit, such as "0.5 s"; by default there are some 64 segments. Of
-        a trace with one column beside the place, that one is meant. Raises Refused for a length without a unit, and for
-        a record or a segment of fewer than 8 rows.
+        ``segment`` is the length of a segment, such as "0.5 s"; by default there are some 64. Of a trace with one
+        column beside the place, that one is meant. Raises Refused for a record or a segment of fewer than 8 rows.
         """
-        chosen = self._column(name)
-        return power_spectrum(
-            chosen,
-            self.units[chosen],
-            [self[chosen].values],
-            rows=len(self),
-            step=self.step,
-            place_units=self.units[self.place],
-            segment=self._along("segment", segment),
-        )
+        length = self._along("segment", segment)
+        return power_spectrum(self._column(name), self.step, self.units[self.place], length)
 
     def acf(self, name: str | None = None, *, longest: Any = None) -> Autocovariance:
         """Return the autocovariance of a column at lags up to ``longest``, such as "0.1 s"; by default a tenth of it.
 
-        R_j = (1/n) sum of (x_i - mean)(x_(i+j) - mean). Raises Refused for a lag that the record does not have, and for
-        one without a unit.
+        R_j = (1/n) sum of (x_i - mean)(x_(i+j) - mean). Raises Refused for a lag that the record does not have.
         """
-        chosen, units = self._column(name), self.units[self.place]
-        lag = self._along("longest", longest)
+        column, units, lag = self._column(name), self.units[self.place], self._along("longest", longest)
         reach = max(1, len(self) // 10) if lag is None else round(lag / self.step)
         if not 0 < reach < len(self):
-            most = (len(self) - 1) * self.step
-            raise Refused(
-                f"{self.name}: longest=: {keywords.shown(longest)}: the record has lags up to {most:.6g} {units}"
-            )
-        covariance = autocovariance(self[chosen].values, reach)
-        columns = (
+            most = f"the record has lags up to {(len(self) - 1) * self.step:.6g} {units}"
+            raise Refused(f"{self.name}: longest=: {keywords.shown(longest)}: {most}")
+        covariance = autocovariance(column.values, reach)
+        columns = [
             with_units(self.step * np.arange(reach + 1), "lag", units),
-            with_units(covariance, "covariance", f"({self.units[chosen]})^2"),
+            with_units(covariance, "covariance", f"({column.units})^2"),
             with_units(covariance / covariance[0], "correlation", "1"),
-        )
-        return Autocovariance(chosen, {each.name: each for each in columns})
+        ]
+        return Autocovariance(column.name, columns)
 
     def histogram(self, name: str | None = None, *, bins: ArrayLike | int = BINS) -> Histogram:
         """Return the density of a column over bins: their number or their edges, in the unit of the column.
@@ -179,7 +156,7 @@ class Trace(Table):
         Its ``standard_error`` knows that neighbouring rows are not independent; it is inf for a record too short to
         tell. Raises ValueError for edges that do not rise.
         """
-        return histogram(self[self._column(name)].values, bins)
+        return histogram(self._column(name).values, bins)
 
     def _along(self, keyword: str, value: Any) -> float | None:
         """Return a length along the place; a number if the place has no known unit."""
@@ -190,12 +167,12 @@ class Trace(Table):
             raise Refused(f"{keyword}=: {keywords.shown(value)}: a number is needed, {self.place} has no unit")
         return None if value is None else float(value)
 
-    def _column(self, name: str | None) -> str:
+    def _column(self, name: str | None) -> Column:
         others = [each for each in self if each != self.place]
         if name is None and len(others) == 1:
-            return others[0]
+            return self[others[0]]
         if name in others and name is not None:
-            return name
+            return self[name]
         raise Refused(f"{self.name}: say which column: {', '.join(others)}" + (f", not {name}" if name else ""))
 
     @property
@@ -204,25 +181,18 @@ class Trace(Table):
         return "\n  ".join([heading, *self.notes])
 
 
-def _of_array(values: Any, name: str, rate: Any, unit: Any) -> dict[str, Any]:
-    """Return an array and its times as columns by headers; raises Refused without a rate or a unit."""
-    often = keywords.quantity("rate", rate, FREQUENCY)
-    kept, own = with_unit(values, name, unit or "")
-    if often is None or (unit is None and not own):
-        raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
-    return {"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}
+def _in_working_units(found: Source, unit: Any) -> tuple[list[Column], tuple[str, ...]]:
+    """Return the columns of a trace, places first, and its notes; further units that are unknown stay, and are noted.
 
-
-def _traced(found: Source, name: str, unit: Any) -> tuple[str, dict[str, Column], float, tuple[str, ...]]:
-    """Return name, columns in working units, step and notes; further units that are unknown stay, and are noted."""
-    columns: dict[str, Column] = {}
-    notes, alone = list(found.notes), len(found.used) == 1
-    if unit is not None and not alone:
-        raise Refused(f"unit=: {keywords.shown(unit)}: of which column? column= names it")
+    ``unit`` replaces that of the one column.
+    """
+    columns, notes, alone = dict[str, Column](), list(found.notes), len(found.used) == 1
     if unit is not None:
+        if not alone:
+            raise Refused(f"unit=: {keywords.shown(unit)}: of which column? column= names it")
         keywords.check_own_unit(found, unit)
     if found.placed is None:
-        step = found.step * np.arange(found.values.size, dtype=np.float64)
+        step = np.arange(found.values.size) / (1.0 / found.step)
         columns[found.along] = with_units(step, found.along, "s" if found.along == "time" else "um")
     for number in found.used if found.placed is None else (found.placed, *found.used):
         head, values = found.heads[number], found.arrays[number]
@@ -231,25 +201,18 @@ def _traced(found: Source, name: str, unit: Any) -> tuple[str, dict[str, Column]
             several = f"two columns are named {head.name}; column= takes one by its number"
             raise Refused(f"{found.where}: {own if found.placed is None and head.name == found.along else several}")
         if unit is not None and number != found.placed:
-            units, factor = _given_units(unit)
+            units, factor = _given_unit(unit)
         else:
-            what, is_own = f"{found.where}: {head.written}", alone or number == found.placed
-            units, factor = _in_working_units(head.unit, what, notes, own=is_own)
+            noted = None if alone or number == found.placed else notes
+            units, factor = _working_unit(head.unit, f"{found.where}: {head.written}", noted)
         columns[head.name] = with_units(values if factor == 1.0 else factor * values, head.name, units)
     if alone and found.of_file:
         notes += digits(found.values, found.head.unit)
         notes += [f"{found.head.name}: {said}" for said in (clipped(found.values, found.place),) if said]
-    return name, columns, found.step, tuple(notes)
+    return list(columns.values()), tuple(notes)
 
 
-def _refuse(source: str, **keys: Any) -> None:
-    """Raise Refused for a keyword that would have no effect."""
-    for name, value in keys.items():
-        if value is not None:
-            raise Refused(f"{name}=: {keywords.shown(value)}: has no effect on a trace {source}")
-
-
-def _given_units(unit: Any) -> tuple[str, float]:
+def _given_unit(unit: Any) -> tuple[str, float]:
     """Return the working unit of a given unit, and what a value of 1 is in it; volts stay as they are written."""
     scale, is_area, sign = keywords.scale_of(unit, "unit=")
     if scale is None:
@@ -257,19 +220,17 @@ def _given_units(unit: Any) -> tuple[str, float]:
     return AREA.unit if is_area else FORCE.unit, sign * scale
 
 
-def _in_working_units(unit: str, what: str, notes: list[str], *, own: bool) -> tuple[str, float]:
+def _working_unit(unit: str, what: str, notes: list[str] | None) -> tuple[str, float]:
     """Return the working unit of a unit, and the unit's size in it; a known unit of another kind stays as it is.
 
-    So does an unknown one, which is noted, unless the column is the trace's ``own``: then Refused is raised.
+    So does an unknown one, which is noted; without ``notes`` it is refused.
     """
-    if unit in NONE:
-        return "1", 1.0
-    if unit in BESIDE:
-        return unit, 1.0
+    if unit in NONE or unit in BESIDE:
+        return unit if unit in BESIDE else "1", 1.0
     try:
         check_unit(unit, what)
     except Refused as refused:
-        if own:
+        if notes is None:
             raise
         notes.append(f"{refused}; it stays as it is")
         return unit, 1.0

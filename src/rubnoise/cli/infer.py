@@ -5,7 +5,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Final
 
-from rubnoise.answer import Answer, printable
+from rubnoise.answer import printable
 from rubnoise.cli.layout import show, write_texts
 from rubnoise.cli.options import AsCsv, AsJson, ReplaceFiles, argument, flag, option
 from rubnoise.errors import in_shell
@@ -73,22 +73,20 @@ def infer(
     Example: rubnoise infer friction.csv --speed "1 mm/s" --zero known
     """
     told = {name: value for name, value in locals().items() if name not in OF_COMMAND}
-    from rubnoise.api import inferring
-    from rubnoise.api.fit import answer_of
+    from rubnoise.api.inferring import infer as inferred
     from rubnoise.errors import NotPassed, Refused
     from rubnoise.storage.output import check_output
 
-    for path in (output, report):
-        if path is not None:
-            check_output(path, force=force, reads=[trace])
-    if output is not None and report is not None and output.absolute() == report.absolute():
+    for path in filter(None, (output, report)):
+        check_output(path, force=force, reads=[trace])
+    if output and report and output.absolute() == report.absolute():
         raise Refused(f"{output}: -o and --report name the same file")
-    found = inferring.infer(**(told | {"mask": tuple(mask or ())}))
-    answer = _in_shell(answer_of(found, trace))
-    texts: dict[Path, str] = {}
-    if output is not None and found.refused_because is None:
-        texts[output] = found.to_toml()
-    if report is not None and found.refused_because is None:
+    found = replace(inferred(**(told | {"mask": tuple(mask or ())})), name=trace)
+    answer = found.answer
+    rows = tuple(replace(row, name=in_shell(row.name), note=in_shell(row.note)) for row in answer.rows)
+    answer = replace(answer, rows=rows, notes=tuple(map(in_shell, answer.notes)))
+    texts = {output: found.to_toml()} if output and found.refused_because is None else {}
+    if report and found.refused_because is None:
         from rubnoise.figures.fits import fit_page
 
         texts[report] = fit_page(found, trace, answer.to_text())
@@ -98,9 +96,3 @@ def infer(
         raise NotPassed(f"{printable(trace)}: refused: {found.refused_because}")
     if found.flags:
         raise NotPassed(f"{printable(trace)}: flagged: {'; '.join(found.flags)}")
-
-
-def _in_shell(answer: Answer) -> Answer:
-    """Return an answer whose words name options of the command instead of keywords."""
-    rows = tuple(replace(row, name=in_shell(row.name), note=in_shell(row.note)) for row in answer.rows)
-    return replace(answer, rows=rows, notes=tuple(map(in_shell, answer.notes)))

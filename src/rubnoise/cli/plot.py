@@ -6,14 +6,14 @@ from contextlib import ExitStack
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, get_args
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
 import rubnoise
 from rubnoise.answer import printable
 from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
-from rubnoise.errors import RunFileRefused
+from rubnoise.errors import refusing_files
 from rubnoise.figures import Kind, Style
 from rubnoise.regular_file import is_folder
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.style import Format
-    from rubnoise.record.reader import Reader
 
 
 PICTURES: tuple[Kind, ...] = get_args(Kind)
@@ -106,66 +105,48 @@ def plot(
 
     Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """
-    ends = distance("--from", start), distance("--to", stop)
-    try:  # which of the two it should have been says what may be drawn of it
-        file.stat()
-    except (OSError, ValueError) as problem:
-        reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
-        raise RunFileRefused(f"{file}: {reason.lower()}") from problem
     from rubnoise.api.pictures import appearance
 
-    look = appearance(what or "", size=size, style=style, title=title)
-    if not is_folder(file):
-        _plot_run(file, _picture(what), of, ends, beside, output, look, force=force)
-        return
-    if ends != (None, None) or beside:
-        raise typer.BadParameter("--from, --to and --with are for the pictures of one run")
-    _plot_sweep(file, what, of, output, look, force=force)
-
-
-def _picture(what: str | None) -> Kind:
-    if what is not None and what not in PICTURES:
-        known = ", ".join(f"'{name}'" for name in PICTURES)
-        raise typer.BadParameter(f"'{what}' is not one of {known}", param_hint="'[WHAT]'")
-    return what or "trace"
+    ends = distance("--from", start), distance("--to", stop)
+    with refusing_files(file):  # which of the two it should have been says what may be drawn of it
+        file.stat()
+    look = appearance(what, size=size, style=style, title=title)
+    if is_folder(file):
+        if ends != (None, None) or beside:
+            raise typer.BadParameter("--from, --to and --with are for the pictures of one run")
+        if of is not SpectrumOf.area:
+            whose = what or "a quantity of a sweep"
+            raise typer.BadParameter(f"--of is for psd and histogram of a run, not for {whose}")
+        _plot_sweep(file, what, output, look, force=force)
+    else:
+        how = {"start": ends[0], "stop": ends[1], "of": of.value, "look": look}
+        _plot_run(file, what or "trace", beside, output, how, force=force)
 
 
 def _plot_run(
-    file: Path,
-    what: Kind,
-    of: SpectrumOf,
-    ends: tuple[float | None, float | None],
-    beside: Path | None,
-    output: Path | None,
-    look: "Appearance",
-    *,
-    force: bool,
+    file: Path, what: str, beside: Path | None, output: Path | None, how: dict[str, Any], *, force: bool
 ) -> None:
-    from rubnoise.api.pictures import picture_of
+    from rubnoise.api.pictures import drawn, picture_named
+    from rubnoise.api.run import Run
     from rubnoise.api.trace import Trace
     from rubnoise.cli.loading import finished_run
-    from rubnoise.storage.reader import open_run
 
-    quantity = "" if of is SpectrumOf.area else f"_{of}"
-    path = output or Path(f"{file.stem}_{what}{quantity}.png")
+    usual = f"{file.stem}_{picture_named(what)}_{how['of']}".removesuffix("_area")
+    path = output or Path(f"{usual}.png")
     check_picture(path, force=force, reads=[file] if beside is None else [file, beside])
     with finished_run(file) as run, ExitStack() as opened:
-        other: Trace | Reader | None = None
+        other: Trace | Run | None = None
         if beside is not None:
             is_record = beside.suffix.lower() in RECORDS
-            other = Trace.from_csv(beside) if is_record else opened.enter_context(open_run(beside))
-        draw = partial(picture_of, run, what, ends, of.value, other, look, names=("--of", f"--with {beside}"))
-        write_picture(path, draw, force=force, style=look.style)
+            other = Trace(beside) if is_record else opened.enter_context(rubnoise.open(beside))
+        draw = partial(drawn, Run(run), what, beside=other, names=("--of", f"--with {beside}"), **how)
+        write_picture(path, draw, force=force, style=how["look"].style)
 
 
-def _plot_sweep(
-    folder: Path, what: str | None, of: SpectrumOf, output: Path | None, look: "Appearance", *, force: bool
-) -> None:
+def _plot_sweep(folder: Path, what: str | None, output: Path | None, look: "Appearance", *, force: bool) -> None:
     from rubnoise.figures.catalogue import first_quantity, sweep_drawing
     from rubnoise.figures.tracks import prefix_refusals
 
-    if of is not SpectrumOf.area:
-        raise typer.BadParameter(f"--of is for psd and histogram of a run, not for {what or 'a quantity of a sweep'}")
     with rubnoise.open_sweep(folder) as sweep:
         shown = what or first_quantity(sweep.index)
         path = output or Path(f"{sweep.name}_{shown}.png")

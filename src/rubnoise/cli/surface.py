@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn
 
 import typer
 
@@ -79,23 +79,20 @@ def surface(
     for name in _SCENARIO if output is None and report is None else ():
         if asked[name] is not None:
             raise typer.BadParameter(f"--{name.replace('_', '-')} is for the scenario, which -o or --report writes")
-    for path in (output, report):
-        if path is not None:
-            check_output(path, force=force, reads=scans or ())
+    for path in filter(None, (output, report)):
+        check_output(path, force=force, reads=scans or ())
     if scans is None or len(scans) not in (1, 2):
         raise typer.BadParameter("one scan or two are needed: the track, then the slider")
     told = {name: asked[name] for name in ("unit", "height_unit", "size", "channel", "turn")}
-    surfaces = [Surface.read(path, form=form.value, **told) for path in scans]
-    slider = surfaces[1] if len(surfaces) == 2 else None
-    _ask_for_needed(surfaces[0], slider, asked)
+    track, *others = (Surface.read(path, form=form.value, **told) for path in scans)
+    slider = others[0] if others else None
+    if cutoff is None:
+        _ask_for_cutoff(track, slider, longest)
     pressed = {name: asked[name] for name in ("cutoff", "load", "hardness", "longest", "slider_length")}
-    contact = surfaces[0].slide(slider, **pressed)
-    wanted = _wanted(asked)
+    contact, wanted = track.slide(slider, **pressed), _wanted(asked)
     answer = answer_of(contact, wanted)
-    texts = {}
-    if output is not None and not contact.refused:
-        texts[output] = contact.scenario_text(**wanted)
-    if report is not None and not contact.refused:
+    texts = {output: contact.scenario_text(**wanted)} if output and not contact.refused else {}
+    if report and not contact.refused:
         from rubnoise.pages.report import surface_report
 
         texts[report] = surface_report(contact, answer.to_text(), **wanted)
@@ -105,17 +102,15 @@ def surface(
         raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
 
 
-def _ask_for_needed(track: "Surface", slider: "Surface | None", asked: dict[str, Any]) -> None:
+def _ask_for_cutoff(track: "Surface", slider: "Surface | None", longest: str | None) -> NoReturn:
     """Refuse a call without a cut-off, after the curve over cut-offs."""
-    if asked["cutoff"] is None:
-        lengths, counts = track.count_over_cutoff(slider, longest=asked["longest"])
-        print("cut-off (um)  junctions at 1 % of the area", file=sys.stderr)
-        for length, count in zip(lengths, counts, strict=True):
-            print(f"{length:12.4g}  {count:.4g}", file=sys.stderr)
-        raise Refused(
-            '--cutoff is needed: the number of junctions depends on it as above; right form: --cutoff "5 um", a wave'
-            " longer than the noise of the instrument"
-        )
+    print("cut-off (um)  junctions at 1 % of the area", file=sys.stderr)
+    for length, count in zip(*track.count_over_cutoff(slider, longest=longest), strict=True):
+        print(f"{length:12.4g}  {count:.4g}", file=sys.stderr)
+    raise Refused(
+        '--cutoff is needed: the number of junctions depends on it as above; right form: --cutoff "5 um", a wave'
+        " longer than the noise of the instrument"
+    )
 
 
 def _wanted(asked: dict[str, Any]) -> dict[str, Any]:
@@ -139,9 +134,12 @@ def answer_of(contact: "SlidingContact", wanted: dict[str, Any]) -> Answer:
     covariance = {"lag": lags, "value": gaussian.autocovariance(lags)}
     spectrum = {"wavenumber": waves, "value": gaussian.spectrum(waves)}
     refused = [Row(name="refused", value=in_shell(reason), fails=True) for reason in contact.refused]
+    known = _known(contact)
+    for part, motion in zip(("gaussian_motion", "scenario_motion"), moved, strict=False):  # to first order
+        known[part] = fields_of(motion, "separation_std velocity_std velocity_level")
     return Answer(
         title=f"{contact.slider.name} on {contact.track.name}",
-        rows=(*refused, *_given(contact), *_figures(contact), *_motions(moved)),
+        rows=(*refused, *(row for part, values in known.items() for row in named(part, values, _NOTES))),
         tables=(
             Table(name="autocovariance", columns=covariance, units=UNITS | {"value": "um^4"}, shown=()),
             Table(name="spectrum", columns=spectrum, units=UNITS | {"value": "um^5"}, shown=()),
@@ -150,27 +148,16 @@ def answer_of(contact: "SlidingContact", wanted: dict[str, Any]) -> Answer:
     )
 
 
-def _given(contact: "SlidingContact") -> Iterator[Row]:
-    """Yield the surfaces as they were read, and what was asked of them."""
-    for part, scan in zip(("track", "slider"), contact.scans, strict=True):
-        surface = getattr(contact, part)
-        known = {
-            "name": surface.name,
-            "points": list(surface.heights.shape),
-            "spacing": list(surface.spacing),
-            "history": list(surface.history),
-            "digest": scan.digest,
-        }
-        yield from named(part, known, {"points": "along and across the sliding"})
-    asked = fields_of(contact, "cutoff longest slider_length nominal_area share")
-    level = contact.gaussian.level
-    yield from named("contact", asked | {"level": level if isfinite(level) else None})
-
-
-def _figures(contact: "SlidingContact") -> Iterator[Row]:
-    """Yield the figures of Gaussian surfaces, of the maps and of the scenario, under the same names."""
-    gaussian = contact.gaussian
-    exact = {
+def _known(contact: "SlidingContact") -> dict[str, dict[str, Any]]:
+    """Return the surfaces as read, what was asked of them, and figures of theory, of the maps and of the scenario."""
+    gaussian, level = contact.gaussian, contact.gaussian.level
+    known: dict[str, dict[str, Any]] = {}
+    for part, surface, scan in zip(("track", "slider"), (contact.track, contact.slider), contact.scans, strict=True):
+        said = {"points": list(surface.heights.shape), "spacing": list(surface.spacing)}
+        known[part] = {"name": surface.name, **said, "history": list(surface.history), "digest": scan.digest}
+    known["contact"] = fields_of(contact, "cutoff longest slider_length nominal_area share")
+    known["contact"]["level"] = level if isfinite(level) else None
+    known["gaussian"] = {
         **fields_of(gaussian, "real_contact_area junction_count"),
         "count_slope": gaussian.count_slope(contact.cutoff),
         **fields_of(gaussian, "birth_rate mean_life relative_std relative_std_short frozen_share correlation_length"),
@@ -179,15 +166,8 @@ def _figures(contact: "SlidingContact") -> Iterator[Row]:
         "separation_slope": contact.gap_slope,
     }
     patches = "patch_count largest_share real_contact_area map_area mean_diameter relative_spread"
-    counted = fields_of(contact.counted, patches) | {"over_gaussian": contact.honesty}
-    for part, known in (("gaussian", exact), ("counted", counted), ("scenario", contact.in_scenario)):
-        yield from named(part, known, _NOTES)
-
-
-def _motions(moved: "Sequence[NormalMotion | LoadMotion]") -> Iterator[Row]:
-    """Yield the normal motion to first order, of the surfaces and in the scenario; nothing without a mass."""
-    for part, motion in zip(("gaussian_motion", "scenario_motion"), moved, strict=False):
-        yield from named(part, fields_of(motion, "separation_std velocity_std velocity_level"), _NOTES)
+    known["counted"] = fields_of(contact.counted, patches) | {"over_gaussian": contact.honesty}
+    return known | {"scenario": contact.in_scenario}
 
 
 def _moved(contact: "SlidingContact", wanted: dict[str, Any]) -> "Sequence[NormalMotion | LoadMotion]":
@@ -208,6 +188,7 @@ def _level_off(moved: "Sequence[NormalMotion | LoadMotion]") -> Iterator[str]:
 
 
 _NOTES: Final = {
+    "points": "along and across the sliding",
     "count_slope": "d N / d ln(cut-off)",
     "relative_std": "long run",
     "relative_std_short": "short run",
