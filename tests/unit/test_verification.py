@@ -28,9 +28,9 @@ ALIKE = {"hashes", "structure", "attributes", "summary"}
 """Checks of every file; beside them it has one for each group that is played."""
 
 
-def asked(path: Path, *, regenerate: bool = False) -> Verification:
+def asked(path: Path) -> Verification:
     with open_run(path) as run:
-        return verify(run, regenerate=regenerate)
+        return verify(run)
 
 
 def failing(path: Path) -> list[str]:
@@ -65,7 +65,7 @@ def two_way(kept: Path, tmp_path: Path) -> Path:
 @pytest.mark.parametrize("name", EVERY)
 def test_a_right_result_of_every_kind_is_verified(kept: Path, tmp_path: Path, name: str) -> None:
     path = fresh(kept, tmp_path, name)
-    found = asked(path, regenerate=True)
+    found = asked(path)
     assert [str(check.first) for check in found.different] == []
     assert (found.left_out, found.remark) == ({}, "")
     with h5py.File(path) as file:
@@ -200,7 +200,7 @@ def test_a_scenario_of_far_more_rows_than_the_file_has_is_not_played(result: Pat
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"format": 1}', "[" * 100_000])
 def test_a_file_without_a_scenario_is_told(result: Path, text: str) -> None:
     tell(result, "provenance", "scenario_resolved", text or " ")
-    found = asked(result, regenerate=True)
+    found = asked(result)
     assert [check.name for check in found.different] == ["structure"]
     assert list(found.left_out) == ["everything else"]
 
@@ -234,7 +234,7 @@ def test_a_column_that_cannot_be_read_is_told(kept: Path, tmp_path: Path) -> Non
     raw = bytearray(path.read_bytes())
     raw[chunk.byte_offset + chunk.size // 2] ^= 0xFF
     path.write_bytes(raw)
-    found = asked(path, regenerate=True)
+    found = asked(path)
     assert str(found.different[0].first) == "/trace/real_contact_area is unreadable, should be as it was written"
     assert found.left_out["everything else"] == "/trace/real_contact_area cannot be read"
 
@@ -273,7 +273,7 @@ def interrupted(of_intervention: Path, tmp_path: Path) -> Path:
 
 
 def test_lives_that_an_intervention_ended_are_played_again(interrupted: Path) -> None:
-    found = asked(interrupted, regenerate=True)
+    found = asked(interrupted)
     assert [str(check.first) for check in found.different] == []
     assert found.left_out == {}
     with h5py.File(interrupted) as file:

@@ -202,7 +202,7 @@ FOLDER_CHANGES: dict[str, tuple[FolderChange, str, str]] = {
 
 
 def test_a_right_folder_is_verified(folder: Path) -> None:
-    found = verify_sweep(folder, regenerate=True)
+    found = verify_sweep(folder)
     assert [check.name for check in found.checks] == ["index", "names", "runs"]
     assert (found.different, found.left_out) == ([], {})
     assert min(check.values for check in found.checks) > 0

@@ -119,6 +119,12 @@ class Columns(dict[str, Column]):
         A condition compares columns with numbers, with units if you like; ``and``, ``or``, ``not`` and parentheses join
         conditions, and a state of a junction, such as ``ended_early``, is one by itself. Only the columns of the
         condition are read now. Raises Refused, with a mark below what is wrong.
+
+        >>> import rubnoise
+        >>> with rubnoise.open("fig5.h5") as run:
+        ...     large = run.junctions.where("diameter > 6 um and not alive_at_end")
+        ...     len(large) < len(run.junctions), bool(large["diameter"].min() > 6.0)
+        (True, True)
         """
         from rubnoise.analysis.where import Condition, ConditionRefused
 

@@ -87,6 +87,11 @@ class Run:
     Columns are attributes, too, and ``run["force"]`` is ``run.force``. ``area``, ``count`` and ``distance`` are those
     of /trace; ``force``, ``time``, ``displacement`` and ``velocity`` those of /slider, or without one those of /trace,
     at the sliding speed. Other columns have their own name if it stands in one group alone.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     print(run.trace["distance"][:3], run.trace["distance"].units)
+    [0.  0.1 0.2] um
     """
 
     junctions: Columns
@@ -205,18 +210,15 @@ class Run:
         with _calculating(self._called):
             return replace(compare(self.model(), self._reader, bound), title=f"{self._called}: compared with theory")
 
-    def verify(self, *, regenerate: bool = False) -> "Verification":
+    def verify(self) -> "Verification":
         """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
 
-        ``regenerate`` changes nothing in this, since every row is made again; but with it a file is refused whose
-        random numbers cannot be drawn again. A run in memory is saved first.
+        A run in memory is saved first.
         """
         from rubnoise.runs.verification import verify
 
-        if not isinstance(regenerate, bool):
-            raise Refused(f"regenerate=: {shown(regenerate)} is neither True nor False")
         with self._file_of() as file, _calculating(self._called):
-            return replace(verify(file, regenerate=regenerate), title=f"{self._called}: verified")
+            return replace(verify(file), title=f"{self._called}: verified")
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
         """Return Welch's estimate of a spectral density, with the exact one if theory knows it; see PowerSpectrum.

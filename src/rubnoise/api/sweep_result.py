@@ -58,6 +58,11 @@ class SweepResult:
     figures, without exact values and standard errors, ``summaries`` those of arrays beyond single figures.
     ``attributes`` hold the sweep's file as read, the command, and when and by what the index was written. ``path`` is
     the folder, as it was opened, ``name`` its name, ``title`` that of the sweep.
+
+    >>> import rubnoise
+    >>> with rubnoise.sweep("scenarios/paper/fig9.toml", "fig9", jobs=1) as sweep:
+    ...     sweep.keys, sweep.count("done")
+    (('interface.mean_junction_count',), 5)
     """
 
     def __init__(self, path: Path, index: Index) -> None:

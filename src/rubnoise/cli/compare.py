@@ -10,7 +10,7 @@ import typer
 
 from rubnoise.answer import Row, printable
 from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsCsv, AsJson, ResultFile, flag, option
+from rubnoise.cli.options import AsCsv, AsJson, ResultFile, option
 from rubnoise.cli.progress import bar
 from rubnoise.cli.vocabulary import named
 from rubnoise.errors import NotPassed, Refused
@@ -62,9 +62,6 @@ def _white_noise(model: "Model") -> list[Row]:
 def verify(
     file: ResultFile,
     *,
-    regenerate: Annotated[
-        bool, flag("Refuse a file whose random numbers cannot be drawn again here.", "--regenerate")
-    ] = False,
     as_json: AsJson = False,
     as_csv: AsCsv = False,
 ) -> None:
@@ -88,11 +85,11 @@ def verify(
             def watch(done: int, runs: int) -> None:
                 show_bar(done, runs, f"{done:,} of {runs:,} runs")
 
-            found = verification.verify_sweep(file, regenerate=regenerate, watch=watch)
+            found = verification.verify_sweep(file, watch=watch)
         else:
             run = stack.enter_context(finished_run(file))
             run.watch = lambda column, row, rows: show_bar(row, rows, column)
-            found = verification.verify(run, regenerate=regenerate)
+            found = verification.verify(run)
     show(replace(found, title=f"{file}: compared with {whole}"), as_json=as_json, as_csv=as_csv)
     if found.different:
         said = [check.first for check in found.different]

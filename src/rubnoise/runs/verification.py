@@ -24,7 +24,7 @@ from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.measured import Measured
 from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
-from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
+from rubnoise.errors import RubnoiseError, RunFileRefused
 from rubnoise.figure_names import DONE
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import JunctionState
@@ -138,18 +138,11 @@ def _verification(checks: Sequence[Check], *omitted: Row, remark: str = "") -> V
     return replace(found, judged=f"{len(checks)} checks of {found.values:,} values")
 
 
-def verify(run: RunFile, *, regenerate: bool = False) -> Verification:
+def verify(run: RunFile) -> Verification:
     """Return the verification of a result file; memory does not grow with the run.
 
-    ``regenerate`` adds no check, but raises Refused if the seed gives other random numbers here. Checks that depend on
-    something found different are left out.
+    Checks that depend on something found different are left out.
     """
-    version, others = run.provenance["stream_version"], ""
-    if version != STREAM_VERSION:
-        drawn = f"this rubnoise draws version {STREAM_VERSION}, and {run.attributes['source']} wrote the file"
-        others = f"has random streams of version {version}, which can't be drawn again: {drawn}"
-    if regenerate and others:
-        raise Refused(f"{others}; leave --regenerate away")
     hashes, structure, attributes = checks = [Check("hashes"), Check("structure"), Check("attributes")]
     if lost := _check_hashes(hashes, run):
         return _verification(checks[:1], left_out("everything else", f"{lost[0]} cannot be read"))
@@ -161,7 +154,9 @@ def verify(run: RunFile, *, regenerate: bool = False) -> Verification:
     _check_description(structure, attributes, scenario, run)
     if not structure.holds:
         return _verification(checks, left_out("everything else", "groups and columns are not those of the scenario"))
-    if others:
+    if (version := run.provenance["stream_version"]) != STREAM_VERSION:
+        drawn = f"this rubnoise draws version {STREAM_VERSION}, and {run.attributes['source']} wrote the file"
+        others = f"has random streams of version {version}, which can't be drawn again: {drawn}"
         return _verification(checks, *(left_out(name, others) for name in ("replay", "summary")))
     return _played(checks, scenario, run)
 
@@ -305,7 +300,6 @@ def _allowed(figure: Row, measured: Measured) -> float:
 def verify_sweep(
     folder: str | os.PathLike[str],
     *,
-    regenerate: bool = False,
     watch: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> Verification:
     """Return the verification of the folder of a sweep and of each of its runs.
@@ -325,7 +319,7 @@ def verify_sweep(
                 names.differ(f"{place} is no file of a run")
                 continue
             try:
-                resolved, figures[path.stem], found = _verified(path, regenerate=regenerate)
+                resolved, figures[path.stem], found = _verified(path)
                 name = name_in(resolved, path) or "no run of this version"
             except RunFileRefused as refusal:
                 runs.differ(f"{place} {str(refusal).removeprefix(f'{path}: ')[:LONGEST]}")
@@ -338,11 +332,11 @@ def verify_sweep(
         return _verification(checks, *_left_out(root, incomplete), *_compare_index(index, root, figures))
 
 
-def _verified(path: Path, *, regenerate: bool) -> tuple[Mapping[str, Any], Figures, Verification]:
+def _verified(path: Path) -> tuple[Mapping[str, Any], Figures, Verification]:
     """Return scenario and figures in the file of a run, and its verification; a summary alone is made again."""
     if path.suffix == SUFFIXES["runs"]:
         with open_run(path) as run:
-            return scenario_in(run), numbers_in(run.summary), verify(run, regenerate=regenerate)
+            return scenario_in(run), numbers_in(run.summary), verify(run)
     (resolved, kept), check = read(path), Check("summary")
     found = dict(kept or {})
     if resolved:
