@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from rubnoise.analysis import findings
-from rubnoise.analysis.measured import STRETCHES, MeasuredRun
+from rubnoise.analysis.measured import STRETCHES, UNITS, MeasuredRun
 from rubnoise.analysis.records import longer
 from rubnoise.answer import Row, left_out
 from rubnoise.arrays import Doubles
@@ -19,7 +19,7 @@ from rubnoise.contact.distributions import Fixed, Law, has_single_values
 from rubnoise.contact.pulses import half_life
 from rubnoise.model import Model
 from rubnoise.theory.second_order import need_random_births
-from rubnoise.theory.sizes import panels, size_range
+from rubnoise.theory.sizes import panels
 
 ROUNDING: Final = 2.0**-50
 AREA_ROUNDING: Final = 1e-9
@@ -93,7 +93,7 @@ def _windows(seen: MeasuredRun) -> Iterator[Row]:
         yield findings.figure("birth_count", float(found.count), expected, error)
     for windows in found.windows:
         name = f"birth_count_variance_{windows.length:.3g}"
-        if windows.each < STRETCHES:
+        if windows.stretches.length < STRETCHES:
             yield findings.too_short(name, STRETCHES * STRETCHES * windows.length)
         else:
             yield scattered(name, windows.squares(), number_variance(model, windows.length))
@@ -149,23 +149,13 @@ def marks(seen: MeasuredRun) -> Iterator[Row]:
     model, found = seen.model, seen.births
     if not found.count:
         findings.need(0.0, findings.FEWEST * model.mean_birth_spacing)
-    low, high = size_range(model.sizes)
-    if low == high:
-        yield _alike(seen, "diameter", model.sizes.moment(1), "um")
-    else:
-        yield from _drawn(seen, "diameter", model.sizes, "um")
-        if found.count >= findings.FEWEST and not has_single_values(model.sizes):
-            yield findings.kolmogorov_figure("diameter_kolmogorov", found.sizes.distance(), found.count)
+    for name, law in (("diameter", model.sizes), ("shear_strength", model.strengths)):
+        if law is not None and not isinstance(law, Fixed):
+            yield from _drawn(seen, name, law, UNITS[name])
+    if found.count >= findings.FEWEST and not has_single_values(model.sizes):
+        yield findings.kolmogorov_figure("diameter_kolmogorov", found.sizes.distance(), found.count)
     if model.pulse.offset != "none" and found.count >= findings.FEWEST:
         yield findings.kolmogorov_figure("offset_kolmogorov", found.offsets.distance(), found.count)
-    if isinstance(model.strengths, Fixed):
-        yield _alike(seen, "shear_strength", model.strengths.mean, "MPa")
-    elif model.strengths is not None:
-        yield from _drawn(seen, "shear_strength", model.strengths, "MPa")
-
-
-def _alike(seen: MeasuredRun, name: str, value: float, unit: str) -> Row:
-    return findings.identity(name, seen.births.deviations[name], ROUNDING * value, unit)
 
 
 def _drawn(seen: MeasuredRun, name: str, law: Law, unit: str) -> Iterator[Row]:

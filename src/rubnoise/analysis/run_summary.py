@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import attributes_of
-from rubnoise.analysis.measured import Measured
+from rubnoise.analysis.measured import AreaNoise, Measured
 from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors, stationary_part
-from rubnoise.analysis.records import CovarianceSum, HistogramSum
-from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, bands_of, hann
+from rubnoise.analysis.records import HistogramSum
+from rubnoise.analysis.spectra import Spectrum, band_powers, bands_of, hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -113,20 +113,15 @@ class SummarySink(Measured):
         super().__init__(model)
         self._layout = layout = RunLayout.of(stationary_part(model))
         self._histogram = HistogramSum(layout.edges, layout.batch)
-        self._spectrum = WelchSum(layout.segment, layout.step)
-        self._covariance = CovarianceSum(layout.lags, area_cumulants(model).mean)
+        self._noise = AreaNoise(model, self.first["trace"], layout.stride, layout.segment, layout.lags)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Add rows of a group (see Sink)."""
         super().write(group, first_row, columns)
-        if group != "trace":
-            return
-        area = columns["real_contact_area"][self.skipped(group, first_row, columns) :]
-        self._histogram.add(area)
-        since = max(first_row - self.first[group], 0)
-        thinned = area[-since % self._layout.stride :: self._layout.stride]
-        self._spectrum.add(thinned)
-        self._covariance.add(thinned)
+        if group == "trace":
+            area = columns["real_contact_area"]
+            self._histogram.add(area[self.skipped(group, first_row, columns) :])
+            self._noise.add(first_row, area)
 
     def finish(self) -> dict[str, Any]:
         """Return the attributes of the figures of the rows so far, and the CURVES of real contact area by name.
@@ -137,8 +132,8 @@ class SummarySink(Measured):
         curves = {
             "histogram": histogram.density,
             "histogram_standard_error": histogram.standard_error,
-            "spectrum": self._layout.banded(self._spectrum.spectrum().density),
-            "autocovariance": self._covariance.covariances(),
+            "spectrum": self._layout.banded(self._noise.spectrum.spectrum().density),
+            "autocovariance": self._noise.products.covariances(),
         }
         figures = attributes_of(summarise(self))
         return {**figures, **{name: _filled_up(values, CURVES[name]) for name, values in curves.items()}}
@@ -174,7 +169,7 @@ def curve_theory(model: Model) -> dict[str, Doubles]:
         if model.start == "stationary":
             with suppress(Refused):
                 expected, error = theory(model, layout)
-        parts = {"place": place, "expected": expected, "standard_error": error if _has_errors(model) else np.empty(0)}
+        parts = {"place": place, "expected": expected, "standard_error": error}
         found |= {f"{name}_{part}": _filled_up(values, CURVES[name]) for part, values in parts.items()}
     del found["histogram_standard_error"]  # which each run has
     return found
