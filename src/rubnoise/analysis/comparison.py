@@ -13,6 +13,7 @@ from rubnoise.analysis import findings
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.births import ROUNDING, births, marks, scattered, start, sums
 from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
+from rubnoise.analysis.findings import LARGEST_ERROR, LARGEST_TAIL_SKEWNESS
 from rubnoise.analysis.measured import STRETCHES, UNITS, MeasuredRun, measured_run
 from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, decay, needed_for_mean, over_ticks
 from rubnoise.analysis.records import longer
@@ -98,9 +99,9 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
 
 def _band_tail(model: Model, band: Band, of_sizes: findings.Tail, length: float) -> findings.Tail:
     """Return the tail of a band's power: off the centre line a few lives with a sharp tip have most short waves."""
-    if model.pulse.offset == "none" or band.skewness <= findings.LARGEST_TAIL_SKEWNESS:
+    if model.pulse.offset == "none" or band.skewness <= LARGEST_TAIL_SKEWNESS:
         return of_sizes
-    needed = max(of_sizes.needed, longer(length, band.skewness, findings.LARGEST_TAIL_SKEWNESS))
+    needed = max(of_sizes.needed, longer(length, band.skewness, LARGEST_TAIL_SKEWNESS))
     return findings.Tail(skewness=max(of_sizes.skewness, band.skewness), needed=needed)
 
 
@@ -146,10 +147,8 @@ def _zero_share(seen: MeasuredRun) -> Row:
     _, stretch, length = _stretch(seen)
     (exact, error, skewness), name = zero_share(stretch), "junction_count_zero_share"
     relative = error / min(exact, 1.0 - exact) if error else inf
-    needed = max(
-        longer(length, relative, findings.LARGEST_ERROR), longer(length, abs(skewness), findings.LARGEST_TAIL_SKEWNESS)
-    )
-    tail = findings.Tail(skewness=skewness, needed=needed if needed > length else 0.0)
+    needed = max(longer(length, relative, LARGEST_ERROR), longer(length, skewness, LARGEST_TAIL_SKEWNESS))
+    tail = findings.Tail(skewness=skewness, needed=needed)
     value = seen.zero_ticks / seen.ticks()
     return findings.judged(name, value, exact, error, length=length, skewness=0.0, tail=tail)
 

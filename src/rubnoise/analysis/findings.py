@@ -161,8 +161,6 @@ SKEWNESS = 3.5
 LARGEST_SKEWNESS = 0.05
 """Skewness of a mean up to which its law is near enough to a normal one for a score of 4 or 5."""
 
-_MANY = 10_000.0
-
 
 def judged(
     name: str,
@@ -213,11 +211,8 @@ def poisson_figure(name: str, observed: int, mean: float) -> Row:
     """Return a count beside the mean of its Poisson law, with the score of its tail probability."""
     from scipy.special import pdtr, pdtrc
 
-    deviate = None
-    if mean < _MANY:
-        above = float(pdtrc(observed - 1, mean)) if observed else 1.0
-        deviate = normal_deviate(float(pdtr(observed, mean)), above)
-    return figure(name, float(observed), mean, mean**0.5, deviate)
+    above = float(pdtrc(observed - 1, mean)) if observed else 1.0
+    return figure(name, float(observed), mean, mean**0.5, normal_deviate(float(pdtr(observed, mean)), above))
 
 
 FEWEST = 10

@@ -4,6 +4,7 @@ Every figure of a summary and of a comparison reads it, and memory does not grow
 of each group in which the start is forgotten.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from math import ceil
@@ -18,9 +19,9 @@ from rubnoise.analysis.records import CovarianceSum
 from rubnoise.analysis.selection import checked_chunks
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles, Integers
-from rubnoise.contact.births import GammaBirths, PoissonBirths
-from rubnoise.contact.distributions import Fixed
-from rubnoise.contact.pulses import area_of
+from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
+from rubnoise.contact.distributions import Fixed, has_single_values
+from rubnoise.contact.pulses import area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.moments import WATCHED, Moments, Slips
@@ -110,55 +111,62 @@ class Windows:
 
 
 class Births:
-    """The junctions that are born along a run: gaps, places, sizes, strengths; and who is there at the start."""
+    """The junctions that are born along a run: gaps, places, sizes, strengths; and who is there at the start.
+
+    ``samples`` holds, by what they are of, shares of independent values below which their laws say that values lie.
+    """
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self.count, self.last, self.squares = 0, 0.0, 0.0
-        self.shortest, self.longest = np.inf, 0.0
-        self.gaps, self.places, self.sizes, self.offsets = (UniformSample() for _ in range(4))
+        self.count, self.at_start, self.last, self.squares = 0, 0, 0.0, 0.0
+        self.samples: defaultdict[str, UniformSample] = defaultdict(UniformSample)
         self.moments = {name: Moments(powers=2) for name in ("diameter", "shear_strength")}
         self.windows = [] if isinstance(model.births, PoissonBirths) else [Windows(model, n) for n in WINDOWS]
-        self.law = np.sort(model.sizes.quantile((np.arange(_QUANTILES) + 0.5) / _QUANTILES))
-        self._start: list[Doubles] = [np.empty((3, 0))]
-
-    @property
-    def start(self) -> Doubles:
-        """Ages as a share of their lives, diameters (um) and offsets (um) of the junctions alive at the start."""
-        return np.concatenate(self._start, axis=1)
+        self._law = np.sort(model.sizes.quantile((np.arange(_QUANTILES) + 0.5) / _QUANTILES))
+        self._by_life = np.append(0.0, np.cumsum(self._law)) / self._law.sum()
 
     def add(self, columns: Columns) -> None:
         """Add rows of /junctions."""
-        birth, diameter, life = (columns[name] for name in ("birth_distance", "diameter", "life_distance"))
-        offset = columns.get("lateral_offset", np.zeros(birth.size))
+        born = ~np.signbit(columns["birth_distance"])
         there = (columns["state"] & JunctionState.ALIVE_AT_START) != 0
-        self._start.append(np.stack([-birth[there] / life[there], diameter[there], offset[there]]))
-        born = ~np.signbit(birth)
-        if not born.any():
-            return
-        self._add_places(birth[born])
-        self.sizes.add(np.searchsorted(self.law, diameter[born]) / _QUANTILES)
-        self.offsets.add(0.5 + 0.5 * offset[born] / diameter[born])
+        if born.any():
+            self._add_born({name: values[born] for name, values in columns.items()})
+        if there.any():
+            self._add_start({name: values[there] for name, values in columns.items()})
+
+    def _add_born(self, columns: Columns) -> None:
+        self._add_places(columns["birth_distance"])
         for name in self.moments.keys() & columns.keys():
-            self.moments[name].add(columns[name][born])
+            self.moments[name].add(columns[name])
+        if not has_single_values(self._model.sizes):
+            self.samples["diameter"].add(np.searchsorted(self._law, columns["diameter"]) / _QUANTILES)
+        if "lateral_offset" in columns:
+            self.samples["offset"].add(0.5 + 0.5 * columns["lateral_offset"] / columns["diameter"])
+
+    def _add_start(self, columns: Columns) -> None:
+        """Add who is alive at the start: ages are uniform over lives, and sizes and offsets weigh by their lives."""
+        self.at_start += columns["diameter"].size
+        self.samples["start_age"].add(-columns["birth_distance"] / columns["life_distance"])
+        if not has_single_values(self._model.sizes):
+            self.samples["start_diameter"].add(self._by_life[np.searchsorted(self._law, columns["diameter"])])
+        if "lateral_offset" in columns:
+            aside = columns["lateral_offset"] / columns["diameter"]
+            below = aside * half_life(np.ones(aside.size), aside) + np.arcsin(aside)
+            self.samples["start_offset"].add(0.5 + below / np.pi)
 
     def _add_places(self, birth: Doubles) -> None:
-        gaps = np.diff(birth, prepend=self.last)
-        whole = gaps[1:] if self.count == 0 else gaps  # the first one may have begun before the run
-        if whole.size:
-            self.shortest = min(self.shortest, float(whole.min()))
-            self.longest = max(self.longest, float(whole.max()))
-        law = self._model.births
+        gaps, law = np.diff(birth, prepend=self.last), self._model.births
         if isinstance(law, GammaBirths):
             from scipy.special import gammainc
 
-            self.gaps.add(gammainc(law.shape, law.shape * whole / law.mean_spacing))
-        else:
-            self.gaps.add(-np.expm1(-gaps / law.mean_spacing))
+            whole = gaps[1:] if self.count == 0 else gaps  # the first one may have begun before the run
+            self.samples["birth_gap"].add(gammainc(law.shape, law.shape * whole / law.mean_spacing))
+        if isinstance(law, PoissonBirths):
+            self.samples["birth_gap"].add(-np.expm1(-gaps / law.mean_spacing))
+            self.samples["birth_place"].add(birth / self._model.distance)
         for windows in self.windows:
             windows.add(birth)
         self.squares += float(np.square(gaps).sum())
-        self.places.add(birth / self._model.distance)
         self.last, self.count = float(birth[-1]), self.count + birth.size
 
 
@@ -283,6 +291,7 @@ class MeasuredRun(Measured):
 
 
 UNITS: Final = {
+    "birth_gap": "um",
     "diameter": "um",
     "shear_strength": "MPa",
     "base_displacement": "um",
@@ -301,6 +310,9 @@ def relations(model: Model, group: str, columns: Columns) -> Iterator[tuple[str,
     strength = model.strengths.mean if isinstance(model.strengths, Fixed) else None
     if group == "junctions" and isinstance(model.sizes, Fixed):
         yield "diameter", columns["diameter"], model.sizes.mean
+    if group == "junctions" and free is None and isinstance(model.births, RegularBirths):
+        birth = columns["birth_distance"][~np.signbit(columns["birth_distance"])]
+        yield "birth_gap", birth[1:], birth[:-1] + model.mean_birth_spacing
     if strength is not None and "shear_strength" in columns:
         yield "shear_strength", columns["shear_strength"], strength
     if "base_displacement" in columns:

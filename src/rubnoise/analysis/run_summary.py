@@ -4,7 +4,7 @@ The model determines the places of these curves before the run, so they are equa
 """
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, floor, log2
 from typing import Any, Final
@@ -17,7 +17,7 @@ from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.measured import AreaNoise, Measured
 from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors, stationary_part
 from rubnoise.analysis.records import HistogramSum
-from rubnoise.analysis.spectra import Spectrum, band_powers, bands_of, hann
+from rubnoise.analysis.spectra import WelchSum, band_powers, bands_of, hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -158,10 +158,9 @@ def curve_theory(model: Model) -> dict[str, Doubles]:
     """
     model = stationary_part(model)
     layout, found = RunLayout.of(model), dict[str, Doubles]()
-    wavenumbers = np.asarray(2.0 * np.pi * np.fft.rfftfreq(layout.segment, layout.step), dtype=np.float64)
     places = {
         "histogram": (0.5 * (layout.edges[1:] + layout.edges[:-1]), _shares),
-        "spectrum": (layout.banded(wavenumbers), _spectrum),
+        "spectrum": (layout.banded(WelchSum(layout.segment, layout.step).spectrum().wavenumber), _spectrum),
         "autocovariance": (layout.step * layout.lags.astype(np.float64), _covariance),
     }
     for name, (place, theory) in places.items():
@@ -191,17 +190,11 @@ def _shares(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
 
 def _spectrum(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
     """Return the mean expected density of each band, aliases and leakage included, and its standard error."""
-    wavenumber, expected = expected_periodogram(model, layout.step, hann(layout.segment))
+    _, expected = expected_periodogram(model, layout.step, hann(layout.segment))
     means = layout.banded(expected)
     if not means.size or not _has_errors(model):
         return means, np.empty(0)
-    shown = Spectrum(
-        wavenumber=wavenumber,
-        density=expected,
-        standard_error=expected,
-        ticks=layout.segment,
-        segments=layout.segments,
-    )
+    shown = replace(WelchSum(layout.segment, layout.step).spectrum(), segments=layout.segments)
     powers = band_powers(model, shown, expected, model.distance, BANDS)
     return means, means * np.array([(band.standard_error / band.expected) for band in powers])
 
