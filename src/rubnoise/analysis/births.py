@@ -54,7 +54,7 @@ def _laws(seen: MeasuredRun, *names: str) -> Iterator[Row]:
     for name in names:
         sample = seen.births.samples[name]
         if sample.count >= findings.FEWEST:
-            yield findings.kolmogorov_figure(f"{name}_kolmogorov", sample.distance(), sample.count)
+            yield findings.kolmogorov_figure(f"{name}_kolmogorov", sample)
 
 
 def _gap_variation(seen: MeasuredRun) -> Row:
@@ -76,7 +76,7 @@ def _gap_variation(seen: MeasuredRun) -> Row:
 def _windows(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the number of births, and the variance of their numbers in windows, whose errors are from its scatter."""
     model, found = seen.model, seen.births
-    needed = max(30.0 * model.births.memory, STRETCHES * 2.0 * model.births.memory)
+    needed = STRETCHES * 2.0 * model.births.memory
     if model.distance < needed:
         yield findings.too_short("birth_count", needed)
         return

@@ -4,14 +4,14 @@
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from math import inf, sqrt
+from math import inf
 from typing import Any, Final
 
 import numpy as np
 
 from rubnoise.analysis import findings
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.births import ROUNDING, births, marks, scattered, start, sums
+from rubnoise.analysis.births import births, marks, scattered, start, sums
 from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
 from rubnoise.analysis.findings import LARGEST_ERROR, LARGEST_TAIL_SKEWNESS
 from rubnoise.analysis.measured import STRETCHES, UNITS, MeasuredRun, measured_run
@@ -33,7 +33,7 @@ SMALLEST_ATOM: Final = 1e-3
 """Probability of no contact up to which it is but a step in the distribution that nothing is said of."""
 
 _STEP_ERROR: Final = 1e-9
-"""Error of a two-way motion's integrals over the largest work."""
+"""Error of a two-way motion's integrals over the largest work; that of rounding is far smaller."""
 
 RELATION_ROUNDING: Final = 2.0**-40
 """What rounding makes at most of a relation between columns, over its largest value."""
@@ -119,27 +119,21 @@ def _stretch(seen: MeasuredRun, wanted: str = "") -> tuple[Model, Model, float]:
 
 
 def law_of_area(seen: MeasuredRun) -> Iterator[Row]:
-    """Yield the share of ticks without contact, and the distance of the areas' distribution from the exact one.
+    """Yield the share of ticks without contact, and the distance of the areas in contact from their distribution.
 
-    If the share has a score, the distribution is that of the areas in contact: the atom and the continuous part have a
-    figure each. If not, it is the whole distribution, with the atom. Raises Refused if theory has none.
+    The atom and the continuous part have a figure each. Raises Refused if theory has none.
     """
-    exact, share, name = distribution(seen.model), _zero_share(seen), "real_contact_area_kolmogorov"
-    in_contact, atom = share.value is not None, exact.atom_at_zero
-    if in_contact:
+    exact, share = distribution(seen.model), _zero_share(seen)
+    atom = exact.atom_at_zero
+    if share.value is not None or atom > SMALLEST_ATOM:
         yield share
     # Ticks farther apart than the longest life share no junction: their areas are independent.
-    first, apart = seen.first["trace"], seen.apart
-    areas, counts, _ = seen.sampled[:, first // apart :]
-    areas = areas[counts > 0] if in_contact else areas
-    jump, rest = (0.0, 1.0 - atom) if in_contact else (atom, 1.0)
-    if areas.size < findings.FEWEST:
-        yield findings.too_short(name, (first + apart * findings.FEWEST / rest) * seen.model.tick)
-    else:
-        heights = (np.asarray(exact.cdf(areas), dtype=np.float64) - (atom - jump)) / rest
-        yield findings.kolmogorov_figure(name, findings.sample_distance(areas, heights, jump), areas.size, jump)
-    if not in_contact and atom > SMALLEST_ATOM:
-        yield share
+    first = seen.first["trace"]
+    areas, counts, _ = seen.sampled[:, first // seen.apart :]
+    sample = findings.UniformSample()
+    sample.add((np.asarray(exact.cdf(areas[counts > 0]), dtype=np.float64) - atom) / (1.0 - atom))
+    needed = (first + seen.apart * findings.FEWEST / (1.0 - atom)) * seen.model.tick
+    yield findings.kolmogorov_figure("real_contact_area_kolmogorov", sample, needed)
 
 
 def _zero_share(seen: MeasuredRun) -> Row:
@@ -158,9 +152,8 @@ def balance(seen: MeasuredRun) -> Iterator[Row]:
     """Yield what a two-way slider's balance of energy lacks: 0, but for the error of its steps and rounding."""
     if seen.model.is_two_way and seen.last:
         found = Balance.of(seen.model, seen.last)
-        rounding = 2.0 * ROUNDING * sqrt(max(100.0 * seen.model.distance / seen.model.calibrated_diameter, 1.0))
-        allowed, away = (_STEP_ERROR + rounding) * found.scale, abs(found.energy_residual) * found.scale
-        yield findings.identity("energy", away, allowed, "uN um")
+        away = abs(found.energy_residual) * found.scale
+        yield findings.identity("energy", away, _STEP_ERROR * found.scale, "uN um")
 
 
 def mean_force(seen: MeasuredRun) -> Iterator[Row]:
