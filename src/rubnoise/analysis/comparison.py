@@ -99,10 +99,9 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
 
 def _band_tail(model: Model, band: Band, of_sizes: findings.Tail, length: float) -> findings.Tail:
     """Return the tail of a band's power: off the centre line a few lives with a sharp tip have most short waves."""
-    if model.pulse.offset == "none" or band.skewness <= LARGEST_TAIL_SKEWNESS:
-        return of_sizes
-    needed = max(of_sizes.needed, longer(length, band.skewness, LARGEST_TAIL_SKEWNESS))
-    return findings.Tail(skewness=max(of_sizes.skewness, band.skewness), needed=needed)
+    sharp = 0.0 if model.pulse.offset == "none" else band.skewness
+    needed = max(of_sizes.needed, longer(length, sharp, LARGEST_TAIL_SKEWNESS))
+    return findings.Tail(skewness=max(of_sizes.skewness, sharp), needed=needed)
 
 
 def _stretch(seen: MeasuredRun, wanted: str = "") -> tuple[Model, Model, float]:

@@ -60,15 +60,12 @@ def tail_of_squares(law: Law, mean: float, births: float, length: float) -> Tail
 
 
 def _tail(laws: list[tuple[Law, Callable[[Doubles], Doubles]]], births: float, length: float) -> Tail:
-    skewness, kurtosis = _shape(laws, births)
-    first = skewness
+    skewness, kurtosis = first = _shape(laws, births)
     factor = 1.0
-    while not (skewness <= LARGEST_TAIL_SKEWNESS and kurtosis <= LARGEST_TAIL_KURTOSIS):
+    while not (skewness <= LARGEST_TAIL_SKEWNESS and kurtosis <= LARGEST_TAIL_KURTOSIS) and factor <= _LONGEST:
         factor *= 1.25
-        if factor > _LONGEST:
-            return Tail(skewness=first, needed=inf)
         skewness, kurtosis = _shape(laws, factor * births)
-    return Tail(skewness=first, needed=factor * length if factor > 1.0 else 0.0)
+    return Tail(skewness=first[0], needed=factor * length if factor <= _LONGEST else inf)
 
 
 def _shape(laws: list[tuple[Law, Callable[[Doubles], Doubles]]], births: float) -> tuple[float, float]:

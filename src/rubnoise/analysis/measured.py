@@ -6,7 +6,6 @@ of each group in which the start is forgotten.
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from functools import cached_property
 from math import ceil
 from typing import Final
 
@@ -173,6 +172,7 @@ class Births:
 class Measured:
     """A sink: moments of columns from the ``first`` tick of their groups on, the landmarks, and the last balance.
 
+    That is where the start of a run is forgotten; 0 in a run that is too short for that.
     ``slips`` are those of a two-way slider that are longer than its diameter d_m, ``kinds`` the numbers of landmarks of
     each kind.
     """
@@ -183,11 +183,7 @@ class Measured:
         self.last: dict[str, float] = {}
         self.kinds = np.zeros(len(LandmarkKind), dtype=np.int64)
         self.slips = Slips(longer_than=model.calibrated_diameter)
-
-    @cached_property
-    def first(self) -> Mapping[str, int]:
-        """Where the start of a run is forgotten, by group; 0 in a run that is too short for that."""
-        return {group: tick or 0 for group, tick in settled(self.model).items()}
+        self.first: Mapping[str, int] = {group: tick or 0 for group, tick in settled(model).items()}
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Add rows of a group (see Sink)."""
