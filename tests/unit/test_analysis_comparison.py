@@ -172,7 +172,7 @@ def test_a_single_wrong_row_breaks_an_identity(group: str, name: str, identity: 
 
 
 def test_a_wrong_sum_at_a_sampled_tick_breaks_an_identity() -> None:
-    apart = measured.Sampling.of(RIGHT["figure 5"]).apart
+    apart = measured.MeasuredRun(RIGHT["figure 5"]).apart
 
     def change(values: NDArray[Any]) -> None:
         values[3 * apart] += 1

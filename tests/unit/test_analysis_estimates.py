@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from rubnoise.analysis.findings import distance_tail, kolmogorov_figure, sample_distance
+from rubnoise.analysis.findings import UniformSample, distance_tail, kolmogorov_figure
 from rubnoise.analysis.moments import covariance_errors
 from rubnoise.analysis.records import (
     FEWEST_BATCHES,
@@ -104,6 +104,19 @@ def uniform(count: int, name: str) -> np.ndarray:
     return np.random.default_rng(seed_of(f"kolmogorov/{name}")).random(count)
 
 
+def sample_of(values: np.ndarray) -> UniformSample:
+    sample = UniformSample()
+    sample.add(values)
+    return sample
+
+
+def test_the_distance_is_that_of_the_definition() -> None:
+    from scipy.stats import kstest
+
+    for values in (np.square(uniform(50, "few")), uniform(20_000, "some")):
+        assert sample_of(values).distance() == pytest.approx(float(kstest(values, "uniform").statistic), abs=1e-4)
+
+
 def test_the_tail_is_that_of_the_exact_law() -> None:
     from scipy.stats import kstwo
 
@@ -115,29 +128,9 @@ def test_the_tail_is_that_of_the_exact_law() -> None:
 
 
 def test_scores_of_right_samples_are_unit_normals() -> None:
-    figures = [
-        kolmogorov_figure("x", sample_distance(u, u), 2000) for u in uniform(400 * 2000, "many").reshape(400, -1)
-    ]
+    figures = [kolmogorov_figure("x", sample_of(u)) for u in uniform(400 * 2000, "many").reshape(400, -1)]
     scores = np.array([figure.z for figure in figures])
     plain = [(figure.value - (figure.exact or 0.0)) / (figure.error or 1.0) for figure in figures]
     assert abs(scores.mean()) <= 4.0 / 20.0
     assert abs(scores.std() - 1.0) <= 4.0 / np.sqrt(2.0 * 400)
     assert abs(float(np.mean(plain))) <= 4.0 / 20.0
-
-
-def test_small_distances_of_a_law_with_an_atom_are_never_called_too_good() -> None:
-    """Of mostly one value the distance is that of a few: it says nothing, and a large one still does."""
-    values = np.maximum(uniform(20_000, "atom") - 0.9, 0.0)
-    distance = sample_distance(values, values + 0.9, atom=0.9)
-    assert (kolmogorov_figure("x", distance, 20_000).z or 0.0) < -2.0
-    assert kolmogorov_figure("x", distance, 20_000, 0.9).z == 0.0
-    assert (kolmogorov_figure("x", 0.02, 20_000, 0.9).z or 0.0) > 5.0
-
-
-def test_an_atom_at_zero_is_compared_as_one() -> None:
-    generator = np.random.default_rng(seed_of("kolmogorov/atom"))
-    values = np.maximum(generator.random(4000) - 0.3, 0.0)
-    heights = values + 0.3
-    assert sample_distance(values, heights, atom=0.3) * 4000**0.5 < 2.2
-    assert sample_distance(values[values > 0.0], heights[values > 0.0], atom=0.3) >= 0.3
-    assert sample_distance(np.zeros(10), np.full(10, 0.3), atom=0.3) == pytest.approx(0.7)

@@ -56,8 +56,6 @@ def test_a_constant_force_is_balanced(bears: float) -> None:
     assert found.excess_over(found.friction_along) == pytest.approx(found.expected_excess(), abs=1e-9 * BEARS)
     # Moving towards the drive it slides less far in the same time: the mean force over time is not that over distance.
     assert found.distance != pytest.approx(SPEED * TIME, rel=1e-6)
-    assert found.displacement_mean == pytest.approx(found.displacement_integral / TIME, rel=1e-15)
-    assert 0.0 < found.displacement_std < abs(START - bears / 300.0)
 
 
 @pytest.mark.parametrize(

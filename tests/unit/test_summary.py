@@ -208,7 +208,7 @@ def test_sums_that_are_drawn_are_as_skewed() -> None:
 def test_squares_of_a_wide_law_need_more_draws_than_those_of_a_narrow_one() -> None:
     wide = findings.tail_of_squares(Lognormal(mean=5.0, std=5.0), 5.0, 1000.0, 500.0)
     narrow = findings.tail_of_squares(Lognormal(mean=5.0, std=0.5), 5.0, 1000.0, 500.0)
-    assert narrow.needed == 0.0
+    assert narrow.needed <= 500.0
     assert wide.needed > 500.0
     assert wide.skewness > narrow.skewness
 

@@ -13,7 +13,6 @@ mean of G over distance by the work of the dashpot, twice the work of reversals,
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import sqrt
 from typing import Self
 
 from rubnoise.model import Model, Slider
@@ -52,23 +51,6 @@ class Balance:
         drive = drive_of(model)
         kept = {name: row[name] for name in cls.columns()}
         return cls(slider=drive.slider, speed=drive.speed, start=model.equilibrium_displacement, **kept)
-
-    @property
-    def displacement_mean(self) -> float:
-        """Mean of x over time in um."""
-        return self.displacement_integral / self.time
-
-    @property
-    def displacement_std(self) -> float:
-        """Standard deviation of x over time in um."""
-        mean = self.displacement_mean
-        return sqrt(max(self.displacement_squared_integral / self.time - mean * mean, 0.0))
-
-    @property
-    def velocity_std(self) -> float:
-        """Standard deviation of x' over time in um/s; its mean is the total displacement over the time."""
-        mean = (self.displacement - self.start) / self.time
-        return sqrt(max(self.velocity_squared_integral / self.time - mean * mean, 0.0))
 
     @property
     def impulse(self) -> float:

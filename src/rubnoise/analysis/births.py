@@ -10,16 +10,15 @@ from typing import Final
 import numpy as np
 
 from rubnoise.analysis import findings
-from rubnoise.analysis.measured import STRETCHES, MeasuredRun
+from rubnoise.analysis.measured import STRETCHES, UNITS, MeasuredRun
 from rubnoise.analysis.records import longer
 from rubnoise.answer import Row, left_out
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
-from rubnoise.contact.distributions import Fixed, Law, has_single_values
-from rubnoise.contact.pulses import half_life
+from rubnoise.contact.births import PoissonBirths, RegularBirths
+from rubnoise.contact.distributions import Fixed, Law
 from rubnoise.model import Model
 from rubnoise.theory.second_order import need_random_births
-from rubnoise.theory.sizes import panels, size_range
+from rubnoise.theory.sizes import panels
 
 ROUNDING: Final = 2.0**-50
 AREA_ROUNDING: Final = 1e-9
@@ -37,7 +36,8 @@ def births(seen: MeasuredRun) -> Iterator[Row]:
     model, found = seen.model, seen.births
     expected = model.birth_rate * model.distance
     if isinstance(model.births, RegularBirths):
-        yield from _regular(seen)
+        rounding = 2.0 * ROUNDING * (expected + found.count)  # a place is a sum of gaps, each rounded
+        yield findings.identity("birth_count", abs(found.count - expected), 1.0 + rounding, "")
         return
     if isinstance(model.births, PoissonBirths):
         yield findings.poisson_figure("birth_count", found.count, expected)
@@ -46,11 +46,15 @@ def births(seen: MeasuredRun) -> Iterator[Row]:
         yield from _windows(seen)
     if found.count < findings.FEWEST:
         yield findings.too_short("births", findings.FEWEST * model.mean_birth_spacing)
-        return
-    if isinstance(model.births, PoissonBirths | GammaBirths) and found.gaps.count >= findings.FEWEST:
-        yield findings.kolmogorov_figure("birth_gap_kolmogorov", found.gaps.distance(), found.gaps.count)
-    if isinstance(model.births, PoissonBirths):
-        yield findings.kolmogorov_figure("birth_place_kolmogorov", found.places.distance(), found.count)
+    yield from _laws(seen, "birth_gap", "birth_place")
+
+
+def _laws(seen: MeasuredRun, *names: str) -> Iterator[Row]:
+    """Yield how far the distribution functions of independent values are from their laws, of those with enough."""
+    for name in names:
+        sample = seen.births.samples[name]
+        if sample.count >= findings.FEWEST:
+            yield findings.kolmogorov_figure(f"{name}_kolmogorov", sample)
 
 
 def _gap_variation(seen: MeasuredRun) -> Row:
@@ -69,20 +73,10 @@ def _gap_variation(seen: MeasuredRun) -> Row:
     return findings.judged(name, value, (n + 1) * 2.0 / (n + 2) - 1.0, error, length=model.distance, skewness=5.0)
 
 
-def _regular(seen: MeasuredRun) -> Iterator[Row]:
-    model, found = seen.model, seen.births
-    spacing = model.mean_birth_spacing
-    away = max(found.longest - spacing, spacing - found.shortest) if found.count > 1 else 0.0
-    rounding = 2.0 * ROUNDING * (model.distance + found.count * spacing)  # a place is a sum of gaps, each rounded
-    missing = abs(found.count - model.distance / spacing)
-    yield findings.identity("birth_gap", away, rounding, "um")
-    yield findings.identity("birth_count", missing, 1.0 + rounding / spacing, "")
-
-
 def _windows(seen: MeasuredRun) -> Iterator[Row]:
     """Yield the number of births, and the variance of their numbers in windows, whose errors are from its scatter."""
     model, found = seen.model, seen.births
-    needed = max(30.0 * model.births.memory, STRETCHES * 2.0 * model.births.memory)
+    needed = STRETCHES * 2.0 * model.births.memory
     if model.distance < needed:
         yield findings.too_short("birth_count", needed)
         return
@@ -93,7 +87,7 @@ def _windows(seen: MeasuredRun) -> Iterator[Row]:
         yield findings.figure("birth_count", float(found.count), expected, error)
     for windows in found.windows:
         name = f"birth_count_variance_{windows.length:.3g}"
-        if windows.each < STRETCHES:
+        if windows.stretches.length < STRETCHES:
             yield findings.too_short(name, STRETCHES * STRETCHES * windows.length)
         else:
             yield scattered(name, windows.squares(), number_variance(model, windows.length))
@@ -125,23 +119,10 @@ def start(seen: MeasuredRun) -> Iterator[Row]:
     The number is Poisson(lam E[life]), ages are uniform over a life, diameters have a density proportional to d f(d),
     offsets one proportional to the life, (2/pi) sqrt(1 - (b/d)^2); an empty start has no junctions to compare.
     """
-    model, law = seen.model, seen.births.law
-    if model.start != "stationary":
-        return
-    need_random_births(model, "who is alive at the start")
-    ages, diameters, offsets = seen.births.start
-    yield findings.poisson_figure("start_count", ages.size, model.mean_live_junctions)
-    if ages.size < findings.FEWEST:
-        return  # as few as the contact has: no length would bring more
-    yield findings.kolmogorov_figure("start_age_kolmogorov", findings.sample_distance(ages, ages), ages.size)
-    if law[0] < law[-1] and not has_single_values(model.sizes):
-        below = np.append(0.0, np.cumsum(law)) / law.sum()
-        distance = findings.sample_distance(diameters, below[np.searchsorted(law, diameters)])
-        yield findings.kolmogorov_figure("start_diameter_kolmogorov", distance, ages.size)
-    if model.pulse.offset != "none":
-        aside = offsets / diameters
-        below = 0.5 + (aside * half_life(np.ones(aside.size), aside) + np.arcsin(aside)) / np.pi
-        yield findings.kolmogorov_figure("start_offset_kolmogorov", findings.sample_distance(below, below), ages.size)
+    if seen.model.start == "stationary":
+        need_random_births(seen.model, "who is alive at the start")
+        yield findings.poisson_figure("start_count", seen.births.at_start, seen.model.mean_live_junctions)
+        yield from _laws(seen, "start_age", "start_diameter", "start_offset")
 
 
 def marks(seen: MeasuredRun) -> Iterator[Row]:
@@ -149,23 +130,10 @@ def marks(seen: MeasuredRun) -> Iterator[Row]:
     model, found = seen.model, seen.births
     if not found.count:
         findings.need(0.0, findings.FEWEST * model.mean_birth_spacing)
-    low, high = size_range(model.sizes)
-    if low == high:
-        yield _alike(seen, "diameter", model.sizes.moment(1), "um")
-    else:
-        yield from _drawn(seen, "diameter", model.sizes, "um")
-        if found.count >= findings.FEWEST and not has_single_values(model.sizes):
-            yield findings.kolmogorov_figure("diameter_kolmogorov", found.sizes.distance(), found.count)
-    if model.pulse.offset != "none" and found.count >= findings.FEWEST:
-        yield findings.kolmogorov_figure("offset_kolmogorov", found.offsets.distance(), found.count)
-    if isinstance(model.strengths, Fixed):
-        yield _alike(seen, "shear_strength", model.strengths.mean, "MPa")
-    elif model.strengths is not None:
-        yield from _drawn(seen, "shear_strength", model.strengths, "MPa")
-
-
-def _alike(seen: MeasuredRun, name: str, value: float, unit: str) -> Row:
-    return findings.identity(name, seen.births.deviations[name], ROUNDING * value, unit)
+    for name, law in (("diameter", model.sizes), ("shear_strength", model.strengths)):
+        if law is not None and not isinstance(law, Fixed):
+            yield from _drawn(seen, name, law, UNITS[name])
+    yield from _laws(seen, "diameter", "offset")
 
 
 def _drawn(seen: MeasuredRun, name: str, law: Law, unit: str) -> Iterator[Row]:
@@ -174,11 +142,9 @@ def _drawn(seen: MeasuredRun, name: str, law: Law, unit: str) -> Iterator[Row]:
     mean, length = law.moment(1), found.count * seen.model.mean_birth_spacing
     second, third, fourth = central_moments(law.moment)
     std, skewness = sqrt(second), abs(third) / second**1.5 / sqrt(found.count)
-    if skewness > findings.LARGEST_SKEWNESS:
-        yield findings.too_short(f"{name}_mean", longer(length, skewness, findings.LARGEST_SKEWNESS))
-    else:
-        error = std / sqrt(found.count)
-        yield findings.figure(f"{name}_mean", found.mean, mean, error, unit=unit)
+    near = findings.Tail(skewness=0.0, needed=longer(length, skewness, findings.LARGEST_SKEWNESS))
+    error = std / sqrt(found.count)
+    yield findings.judged(f"{name}_mean", found.mean, mean, error, length=length, skewness=0.0, tail=near, unit=unit)
     if std < _NARROW * mean:
         yield left_out(f"{name}_std", "the law is too narrow for its moments to show it")
         return

@@ -4,17 +4,18 @@
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from math import inf, sqrt
+from math import inf
 from typing import Any, Final
 
 import numpy as np
 
 from rubnoise.analysis import findings
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.births import ROUNDING, births, marks, scattered, start, sums
+from rubnoise.analysis.births import births, marks, scattered, start, sums
 from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
-from rubnoise.analysis.measured import STRETCHES, MeasuredRun, measured_run
-from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, needed_for_mean, over_ticks, slowest_decay
+from rubnoise.analysis.findings import LARGEST_ERROR, LARGEST_TAIL_SKEWNESS
+from rubnoise.analysis.measured import STRETCHES, UNITS, MeasuredRun, measured_run
+from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, decay, needed_for_mean, over_ticks
 from rubnoise.analysis.records import longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
 from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
@@ -23,9 +24,7 @@ from rubnoise.contact.distributions import Fixed
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.reader import Rows
-from rubnoise.theory.coupling import load_motion
 from rubnoise.theory.moments import area_cumulants, distribution, force_cumulants, zero_share
-from rubnoise.theory.motion import DrivenOscillator, contact_drive_of, drive_of
 from rubnoise.theory.sampling import expected_periodogram, mean_force_error
 from rubnoise.theory.second_order import area_noise, autocovariance, need_random_births
 
@@ -34,9 +33,10 @@ SMALLEST_ATOM: Final = 1e-3
 """Probability of no contact up to which it is but a step in the distribution that nothing is said of."""
 
 _STEP_ERROR: Final = 1e-9
-"""Error of a two-way motion's integrals over the largest work."""
+"""Error of a two-way motion's integrals over the largest work; that of rounding is far smaller."""
 
-_FAR: Final = 12.0
+RELATION_ROUNDING: Final = 2.0**-40
+"""What rounding makes at most of a relation between columns, over its largest value."""
 
 
 def area(seen: MeasuredRun) -> Iterator[Row]:
@@ -50,13 +50,15 @@ def area(seen: MeasuredRun) -> Iterator[Row]:
 
 
 def force(seen: MeasuredRun) -> Iterator[Row]:
-    """Yield the friction force beside its law: psi A_r tick by tick for one strength, else its moments."""
-    strengths, found = seen.model.strengths, seen.moments[AREA]
-    if isinstance(strengths, Fixed) and "friction_force" in seen.off and seen.model.held is None:
-        allowed = ROUNDING * strengths.mean * (found.mean + _FAR * found.std)
-        yield findings.identity("friction_force", seen.off["friction_force"], allowed, "uN")
-    elif strengths is not None:
+    """Yield the moments of the friction force; with one strength it is psi A_r tick by tick."""
+    if not isinstance(seen.model.strengths, Fixed):
         yield from moments(seen, FORCE)
+
+
+def relations(seen: MeasuredRun) -> Iterator[Row]:
+    """Yield how far columns are at most from what others make of them (see `measured.relations`)."""
+    for name, (away, largest) in seen.off.items():
+        yield findings.identity(name, away, RELATION_ROUNDING * largest, UNITS[name])
 
 
 def memory(seen: MeasuredRun) -> Iterator[Row]:
@@ -65,10 +67,10 @@ def memory(seen: MeasuredRun) -> Iterator[Row]:
     It is taken about the mean of the record, which makes it smaller by the variance of that mean.
     """
     model, stretch, length = _stretch(seen, "the error of an autocovariance")
-    step = seen.layout.stride * model.tick
-    lags = step * np.array(seen.layout.lags, dtype=np.float64)
+    step = seen.noise.step
+    lags = step * seen.noise.lags.astype(np.float64)
     exact = autocovariance(model, lags) - area_noise(stretch).variance_of_mean()
-    errors, found = covariance_errors(model, lags, length, step), seen.products.covariances()
+    errors, found = covariance_errors(model, lags, length, step), seen.noise.products.covariances()
     scale, tail = float(autocovariance(model, np.zeros(1))[0]), findings.tail_of(model, length, 5)
     for lag, *values in zip(lags.tolist(), found.tolist(), exact.tolist(), errors.tolist(), strict=True):
         name = f"real_contact_area_autocovariance_{lag:.3g}"
@@ -81,11 +83,11 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
     Raises Refused unless births are random.
     """
     model, _, length = _stretch(seen, "the error of a spectrum")
-    found, layout = seen.spectrum.spectrum(), seen.layout
+    found, step = seen.noise.spectrum.spectrum(), seen.noise.step
     if found.segments < FEWEST_SEGMENTS:
         ticks = found.ticks + (FEWEST_SEGMENTS - 1) * half_of(found.ticks)
-        findings.need(0.0, (seen.first["trace"] + layout.stride * ticks) * model.tick)
-    _, expected = expected_periodogram(model, layout.stride * model.tick, hann(found.ticks))
+        findings.need(0.0, seen.first["trace"] * model.tick + step * ticks)
+    _, expected = expected_periodogram(model, step, hann(found.ticks))
     # A life's energy |A^(k)|^2 goes with d^6 while a wave is longer than it, and with d^2 beyond.
     tails = {power: findings.tail_of(model, length, power) for power in (2, 6)}
     for band in band_powers(model, found, expected, length, BANDS):
@@ -97,10 +99,9 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
 
 def _band_tail(model: Model, band: Band, of_sizes: findings.Tail, length: float) -> findings.Tail:
     """Return the tail of a band's power: off the centre line a few lives with a sharp tip have most short waves."""
-    if model.pulse.offset == "none" or band.skewness <= findings.LARGEST_TAIL_SKEWNESS:
-        return of_sizes
-    needed = max(of_sizes.needed, longer(length, band.skewness, findings.LARGEST_TAIL_SKEWNESS))
-    return findings.Tail(skewness=max(of_sizes.skewness, band.skewness), needed=needed)
+    sharp = 0.0 if model.pulse.offset == "none" else band.skewness
+    needed = max(of_sizes.needed, longer(length, sharp, LARGEST_TAIL_SKEWNESS))
+    return findings.Tail(skewness=max(of_sizes.skewness, sharp), needed=needed)
 
 
 def _stretch(seen: MeasuredRun, wanted: str = "") -> tuple[Model, Model, float]:
@@ -117,27 +118,21 @@ def _stretch(seen: MeasuredRun, wanted: str = "") -> tuple[Model, Model, float]:
 
 
 def law_of_area(seen: MeasuredRun) -> Iterator[Row]:
-    """Yield the share of ticks without contact, and the distance of the areas' distribution from the exact one.
+    """Yield the share of ticks without contact, and the distance of the areas in contact from their distribution.
 
-    If the share has a score, the distribution is that of the areas in contact: the atom and the continuous part have a
-    figure each. If not, it is the whole distribution, with the atom. Raises Refused if theory has none.
+    The atom and the continuous part have a figure each. Raises Refused if theory has none.
     """
-    exact, share, name = distribution(seen.model), _zero_share(seen), "real_contact_area_kolmogorov"
-    in_contact, atom = share.value is not None, exact.atom_at_zero
-    if in_contact:
+    exact, share = distribution(seen.model), _zero_share(seen)
+    atom = exact.atom_at_zero
+    if share.value is not None or atom > SMALLEST_ATOM:
         yield share
     # Ticks farther apart than the longest life share no junction: their areas are independent.
-    first, apart = seen.first["trace"], seen.layout.apart
-    areas, counts, _ = seen.sampled[:, first // apart :]
-    areas = areas[counts > 0] if in_contact else areas
-    jump, rest = (0.0, 1.0 - atom) if in_contact else (atom, 1.0)
-    if areas.size < findings.FEWEST:
-        yield findings.too_short(name, (first + apart * findings.FEWEST / rest) * seen.model.tick)
-    else:
-        heights = (np.asarray(exact.cdf(areas), dtype=np.float64) - (atom - jump)) / rest
-        yield findings.kolmogorov_figure(name, findings.sample_distance(areas, heights, jump), areas.size, jump)
-    if not in_contact and atom > SMALLEST_ATOM:
-        yield share
+    first = seen.first["trace"]
+    areas, counts, _ = seen.sampled[:, first // seen.apart :]
+    sample = findings.UniformSample()
+    sample.add((np.asarray(exact.cdf(areas[counts > 0]), dtype=np.float64) - atom) / (1.0 - atom))
+    needed = (first + seen.apart * findings.FEWEST / (1.0 - atom)) * seen.model.tick
+    yield findings.kolmogorov_figure("real_contact_area_kolmogorov", sample, needed)
 
 
 def _zero_share(seen: MeasuredRun) -> Row:
@@ -145,10 +140,8 @@ def _zero_share(seen: MeasuredRun) -> Row:
     _, stretch, length = _stretch(seen)
     (exact, error, skewness), name = zero_share(stretch), "junction_count_zero_share"
     relative = error / min(exact, 1.0 - exact) if error else inf
-    needed = max(
-        longer(length, relative, findings.LARGEST_ERROR), longer(length, abs(skewness), findings.LARGEST_TAIL_SKEWNESS)
-    )
-    tail = findings.Tail(skewness=skewness, needed=needed if needed > length else 0.0)
+    needed = max(longer(length, relative, LARGEST_ERROR), longer(length, skewness, LARGEST_TAIL_SKEWNESS))
+    tail = findings.Tail(skewness=skewness, needed=needed)
     value = seen.zero_ticks / seen.ticks()
     return findings.judged(name, value, exact, error, length=length, skewness=0.0, tail=tail)
 
@@ -158,9 +151,8 @@ def balance(seen: MeasuredRun) -> Iterator[Row]:
     """Yield what a two-way slider's balance of energy lacks: 0, but for the error of its steps and rounding."""
     if seen.model.is_two_way and seen.last:
         found = Balance.of(seen.model, seen.last)
-        rounding = 2.0 * ROUNDING * sqrt(max(100.0 * seen.model.distance / seen.model.calibrated_diameter, 1.0))
-        allowed, away = (_STEP_ERROR + rounding) * found.scale, abs(found.energy_residual) * found.scale
-        yield findings.identity("energy", away, allowed, "uN um")
+        away = abs(found.energy_residual) * found.scale
+        yield findings.identity("energy", away, _STEP_ERROR * found.scale, "uN um")
 
 
 def mean_force(seen: MeasuredRun) -> Iterator[Row]:
@@ -183,7 +175,7 @@ def mean_force(seen: MeasuredRun) -> Iterator[Row]:
 
 
 def motion(seen: MeasuredRun) -> Iterator[Row]:
-    """Yield mean and std of displacement and std of velocity, and over a base how far its height is from the area's.
+    """Yield mean and std of displacement and std of velocity.
 
     For a two-way slider the figures are known if coupling is weak. Raises Refused if theory has no motion for the
     model, or no errors.
@@ -191,42 +183,24 @@ def motion(seen: MeasuredRun) -> Iterator[Row]:
     model = seen.model
     if model.slider is None:
         return
-    if "base_displacement" in seen.off:
-        highest = model.base_per_area * (seen.moments[AREA].mean + _FAR * seen.moments[AREA].std)
-        off = seen.off["base_displacement"]
-        yield findings.identity("base_displacement", off, ROUNDING * highest, "um")
     motion_of(model)
     if model.slider.damping == 0.0:
         raise Refused("a slider without damping never forgets its start")
-    _need_decays(seen, "slider", drive_of(model))
+    _need_motion(seen, "slider")
     yield from moments(seen, PLACE, SPEED)
 
 
-def _need_decays(seen: MeasuredRun, group: str, drive: DrivenOscillator) -> None:
+def _need_motion(seen: MeasuredRun, group: str) -> None:
     """Raise Refused if a record is too short for the moments of a motion, after its start is forgotten."""
-    decays = FEWEST_DECAYS * slowest_decay(drive.slider) * drive.speed
-    needed = max(decays, needed_for_mean(seen.model))
+    needed = max(FEWEST_DECAYS * decay(seen.model, group), needed_for_mean(seen.model))
     findings.need(seen.model.distance, seen.first[group] * seen.model.tick + needed)
 
 
 def load(seen: MeasuredRun) -> Iterator[Row]:
-    """Yield the load beside P = H A - W z/s_0 tick by tick, the force beside psi P/H, and moments of the motion."""
-    model = seen.model
-    if model.separation is None:
-        return
-    held, far = model.separation, _FAR * load_motion(model).separation_std
-    yield from _borne(seen, 4.0 * ROUNDING * held.load * (1.0 + far / held.height_scale))
-    _need_decays(seen, "load", contact_drive_of(model))
-    yield from moments(seen, GAP, RISE, BORNE, RUBBED)
-
-
-def _borne(seen: MeasuredRun, allowed: float) -> Iterator[Row]:
-    """Yield how far load and force are at most from what area and separation give."""
-    if "load" in seen.off:
-        yield findings.identity("load", seen.off["load"], allowed, "uN")
-    if isinstance(seen.model.strengths, Fixed) and seen.model.held is not None and "friction_force" in seen.off:
-        force = allowed * seen.model.strengths.mean / seen.model.held.hardness
-        yield findings.identity("friction_force", seen.off["friction_force"], force, "uN")
+    """Yield the moments of the motion under a load, and of load and force."""
+    if seen.model.separation is not None:
+        _need_motion(seen, "load")
+        yield from moments(seen, GAP, RISE, BORNE, RUBBED)
 
 
 def flight(seen: MeasuredRun, free: FreeSeparation) -> Iterator[Row]:
@@ -236,7 +210,7 @@ def flight(seen: MeasuredRun, free: FreeSeparation) -> Iterator[Row]:
     The sum of P over ticks differs from its integral by an error of mean 0, since events fall anywhere between them.
     """
     held, found, step = free.held, seen.stretches, seen.model.tick_duration or 1.0
-    yield from _borne(seen, 2.0**-40 * seen.largest)
+    yield from relations(seen)
     if not found or found["load"].length < 2 * STRETCHES:
         yield findings.too_short("load_mean", 2 * STRETCHES**2 * seen.model.tick)
         return
@@ -266,6 +240,7 @@ PARTS: Final[dict[str, tuple[str, dict[str, Producer]]]] = {
     "balance": ("", {"balance": balance, "mean_force": mean_force}),
     "slider": ("slider", {"displacement": motion}),
     "load": ("load", {"load": load}),
+    "identities": ("", {"relations": relations}),
 }
 """The parts of a comparison: the group in which its record begins, and what yields its figures, by name."""
 

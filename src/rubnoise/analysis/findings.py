@@ -60,15 +60,12 @@ def tail_of_squares(law: Law, mean: float, births: float, length: float) -> Tail
 
 
 def _tail(laws: list[tuple[Law, Callable[[Doubles], Doubles]]], births: float, length: float) -> Tail:
-    skewness, kurtosis = _shape(laws, births)
-    first = skewness
+    skewness, kurtosis = first = _shape(laws, births)
     factor = 1.0
-    while not (skewness <= LARGEST_TAIL_SKEWNESS and kurtosis <= LARGEST_TAIL_KURTOSIS):
+    while not (skewness <= LARGEST_TAIL_SKEWNESS and kurtosis <= LARGEST_TAIL_KURTOSIS) and factor <= _LONGEST:
         factor *= 1.25
-        if factor > _LONGEST:
-            return Tail(skewness=first, needed=inf)
         skewness, kurtosis = _shape(laws, factor * births)
-    return Tail(skewness=first, needed=factor * length if factor > 1.0 else 0.0)
+    return Tail(skewness=first[0], needed=factor * length if factor <= _LONGEST else inf)
 
 
 def _shape(laws: list[tuple[Law, Callable[[Doubles], Doubles]]], births: float) -> tuple[float, float]:
@@ -161,8 +158,6 @@ SKEWNESS = 3.5
 LARGEST_SKEWNESS = 0.05
 """Skewness of a mean up to which its law is near enough to a normal one for a score of 4 or 5."""
 
-_MANY = 10_000.0
-
 
 def judged(
     name: str,
@@ -213,11 +208,8 @@ def poisson_figure(name: str, observed: int, mean: float) -> Row:
     """Return a count beside the mean of its Poisson law, with the score of its tail probability."""
     from scipy.special import pdtr, pdtrc
 
-    deviate = None
-    if mean < _MANY:
-        above = float(pdtrc(observed - 1, mean)) if observed else 1.0
-        deviate = normal_deviate(float(pdtr(observed, mean)), above)
-    return figure(name, float(observed), mean, mean**0.5, deviate)
+    above = float(pdtrc(observed - 1, mean)) if observed else 1.0
+    return figure(name, float(observed), mean, mean**0.5, normal_deviate(float(pdtr(observed, mean)), above))
 
 
 FEWEST = 10
@@ -225,21 +217,23 @@ FEWEST = 10
 
 _BINS = 1 << 18
 _EXACT_UP_TO = 1000  # the limit's own error is some tenth of 1/sqrt(n)
-_CONTINUOUS = 1e-3  # atom up to which small distances are as improbable as those of a continuous law
 # Mean and standard deviation of D sqrt(n) for many values: sqrt(pi/2) ln 2, and sqrt(pi^2/12 - mean^2).
 _MEAN, _STD = 0.868731, 0.260333
 
 
-def kolmogorov_figure(name: str, distance: float, count: int, atom: float = 0.0) -> Row:
+def kolmogorov_figure(name: str, sample: "UniformSample", needed: float = 0.0) -> Row:
     """Return the figure of the largest distance between the distribution functions of independent values and their law.
 
     It has the mean and standard deviation of the distance for a right law. Its score is that of its tail probability; 0
-    for small distances of few values, since only a bound is known there. A law with an ``atom`` gives smaller
-    distances than a continuous one: the score of a large distance is safe, and a small one has the score 0.
+    for small distances of few values, since only a bound is known there. Of fewer than FEWEST values it says what
+    length in um is ``needed``.
     Source: Feller (1948), doi:10.1214/aoms/1177730243.
     """
+    distance, count = sample.distance(), sample.count
+    if count < FEWEST:
+        return too_short(name, needed)
     tail = distance_tail(distance, count)
-    below = 1.0 - tail if count > _EXACT_UP_TO and atom <= _CONTINUOUS else 0.5
+    below = 1.0 - tail if count > _EXACT_UP_TO else 0.5
     root = sqrt(count)
     return figure(name, distance, _MEAN / root, _STD / root, normal_deviate(below, tail))
 
@@ -254,18 +248,6 @@ def distance_tail(distance: float, count: int) -> float:
     if count > _EXACT_UP_TO:
         return float(kolmogorov(distance * sqrt(count)))
     return min(1.0, 2.0 * float(smirnov(count, min(distance, 1.0))))
-
-
-def sample_distance(values: Doubles, heights: Doubles, atom: float = 0.0) -> float:
-    """Return D of values >= 0 at which the law's distribution function is ``heights``; at 0 it jumps to ``atom``."""
-    order = np.argsort(values)
-    at_zero = int((values == 0.0).sum())
-    risen = heights[order][at_zero:]
-    steps = np.arange(at_zero, values.size + 1) / values.size
-    zero = abs(float(steps[0]) - atom) if at_zero or atom else 0.0
-    if not risen.size:
-        return zero
-    return max(zero, float(np.max(steps[1:] - risen)), float(np.max(risen - steps[:-1])))
 
 
 class UniformSample:

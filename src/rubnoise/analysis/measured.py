@@ -4,14 +4,12 @@ Every figure of a summary and of a comparison reads it, and memory does not grow
 of each group in which the start is forgotten.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from math import ceil
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.findings import UniformSample
@@ -19,10 +17,10 @@ from rubnoise.analysis.moments import forgetting, settled
 from rubnoise.analysis.records import CovarianceSum
 from rubnoise.analysis.selection import checked_chunks
 from rubnoise.analysis.spectra import WelchSum
-from rubnoise.arrays import Doubles
-from rubnoise.contact.births import GammaBirths, PoissonBirths
-from rubnoise.contact.distributions import Fixed
-from rubnoise.contact.pulses import area_of
+from rubnoise.arrays import Doubles, Integers
+from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
+from rubnoise.contact.distributions import Fixed, has_single_values
+from rubnoise.contact.pulses import area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.moments import WATCHED, Moments, Slips
@@ -43,32 +41,23 @@ _LIVES_A_SEGMENT, _MOST_TICKS_A_LIFE, _FEWEST_TICKS = 16.0, 4096, 16
 _QUANTILES: Final = 1 << 17
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sampling:
-    """How noise is taken, and how many ticks ``apart`` share no junction.
+class AreaNoise:
+    """Spectrum and autocovariance of real contact area, from every ``stride``-th tick on from the ``first``.
 
-    Spectrum and autocovariance take every ``stride``-th tick, so that fine ticks cost no more than they are worth;
-    ``segment`` and ``lags`` count those.
+    Fine ticks so cost no more than they are worth; a ``segment`` and ``lags`` count strides.
     """
 
-    apart: int
-    stride: int
-    segment: int
-    lags: tuple[int, ...]
+    def __init__(self, model: Model, first: int, stride: int, segment: int, lags: Integers) -> None:
+        self.lags, self.step = lags, stride * model.tick
+        self.spectrum, self.products = WelchSum(segment, self.step), CovarianceSum(lags, area_cumulants(model).mean)
+        self._first, self._stride = first, stride
 
-    @classmethod
-    @lru_cache(maxsize=8)
-    def of(cls, model: Model) -> "Sampling":
-        """Return the layout that suits a model; no part of it grows with its runs."""
-        life, longest = model.mean_life_distance, longest_life(model)
-        stride = max(1, int(longest / model.tick) // _MOST_TICKS_A_LIFE)
-        ticks = life / (stride * model.tick)
-        return cls(
-            apart=int(longest / model.tick) + 2,
-            stride=stride,
-            segment=max(_FEWEST_TICKS, 2 ** ceil(np.log2(max(_LIVES_A_SEGMENT * ticks, 1.0)))),
-            lags=tuple(sorted({max(1, round(share * ticks)) for share in _LAGS})),
-        )
+    def add(self, first_row: int, area: Doubles) -> None:
+        """Add the areas of rows of /trace."""
+        before = self._first - first_row
+        thinned = area[before if before > 0 else before % self._stride :: self._stride]
+        self.products.add(thinned)
+        self.spectrum.add(thinned)
 
 
 class Stretches:
@@ -97,95 +86,93 @@ class Stretches:
 
 
 class Windows:
-    """Mean squares of the number of births in windows of one length, less the expected number, by stretch of a run."""
+    """Squares of the number of births in windows of one length, less the expected number, by stretch of a run."""
 
     def __init__(self, model: Model, spacings: float) -> None:
-        self.length, self.expected = spacings * model.mean_birth_spacing, spacings
-        self.each = int(model.distance / self.length) // STRETCHES
-        self._sums = np.zeros((2, STRETCHES))
-        self._number, self._count = 0, 0
+        self.length, self._expected, self._end = spacings * model.mean_birth_spacing, spacings, model.distance
+        self.stretches = Stretches(int(model.distance / self.length) // STRETCHES)
+        self._first, self._open = 0, np.empty(0)
 
     def add(self, birth: Doubles) -> None:
-        """Add births in order."""
-        number, counts = np.unique(np.append(self._number, np.floor(birth / self.length)), return_counts=True)
-        counts[0] += self._count - 1
-        self._take(number[:-1].astype(np.int64), counts[:-1].astype(np.float64))
-        self._number, self._count = int(number[-1]), int(counts[-1])
-
-    def _take(self, number: NDArray[np.int64], counts: Doubles) -> None:
-        within = number < self.each * STRETCHES
-        stretch = number[within] // max(self.each, 1)
-        for row, power in enumerate((1, 2)):
-            self._sums[row] += np.bincount(stretch, counts[within] ** power, STRETCHES)
+        """Add births in order; their last window stays open."""
+        row = np.append(self._open, birth)
+        window = np.floor(row / self.length).astype(np.int64)
+        last = int(window[-1])
+        closed = window < last
+        counts = np.bincount(window[closed] - self._first, minlength=last - self._first)
+        self.stretches.add(self._first, np.square(counts - self._expected))
+        self._first, self._open = last, row[~closed]
 
     def squares(self) -> Doubles:
         """Return the mean over each stretch; call it once, at the end."""
-        self._take(np.array([self._number]), np.array([float(self._count)]))
-        return np.asarray((self._sums[1] - 2.0 * self.expected * self._sums[0]) / self.each + self.expected**2)
+        self.add(np.array([self._end + self.length]))
+        return self.stretches.sums / self.stretches.length
 
 
 class Births:
-    """The junctions that are born along a run: gaps, places, sizes, strengths; and who is there at the start."""
+    """The junctions that are born along a run: gaps, places, sizes, strengths; and who is there at the start.
+
+    ``samples`` holds, by what they are of, shares of independent values below which their laws say that values lie.
+    """
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self.count, self.last, self.squares = 0, 0.0, 0.0
-        self.shortest, self.longest = np.inf, 0.0
-        self.gaps, self.places, self.sizes, self.offsets = (UniformSample() for _ in range(4))
-        alike = {"diameter": model.sizes.moment(1)}
-        if model.strengths is not None:
-            alike["shear_strength"] = model.strengths.moment(1)
-        self._alike, self.deviations = alike, dict.fromkeys(alike, 0.0)
-        self.moments = {name: Moments(powers=2) for name in alike}
+        self.count, self.at_start, self.last, self.squares = 0, 0, 0.0, 0.0
+        self.samples: defaultdict[str, UniformSample] = defaultdict(UniformSample)
+        self.moments = {name: Moments(powers=2) for name in ("diameter", "shear_strength")}
         self.windows = [] if isinstance(model.births, PoissonBirths) else [Windows(model, n) for n in WINDOWS]
-        self.law = np.sort(model.sizes.quantile((np.arange(_QUANTILES) + 0.5) / _QUANTILES))
-        self._start: list[Doubles] = [np.empty((3, 0))]
-
-    @property
-    def start(self) -> Doubles:
-        """Ages as a share of their lives, diameters (um) and offsets (um) of the junctions alive at the start."""
-        return np.concatenate(self._start, axis=1)
+        self._law = np.sort(model.sizes.quantile((np.arange(_QUANTILES) + 0.5) / _QUANTILES))
+        self._by_life = np.append(0.0, np.cumsum(self._law)) / self._law.sum()
 
     def add(self, columns: Columns) -> None:
         """Add rows of /junctions."""
-        birth, diameter, life = (columns[name] for name in ("birth_distance", "diameter", "life_distance"))
-        offset = columns.get("lateral_offset", np.zeros(birth.size))
+        born = ~np.signbit(columns["birth_distance"])
         there = (columns["state"] & JunctionState.ALIVE_AT_START) != 0
-        self._start.append(np.stack([-birth[there] / life[there], diameter[there], offset[there]]))
-        born = ~np.signbit(birth)
-        if not born.any():
-            return
-        self._add_places(birth[born])
-        self.sizes.add(np.searchsorted(self.law, diameter[born]) / _QUANTILES)
-        self.offsets.add(0.5 + 0.5 * offset[born] / diameter[born])
-        for name, value in self._alike.items():
-            self.moments[name].add(columns[name][born])
-            away = float(np.abs(columns[name][born] - value).max())
-            self.deviations[name] = max(self.deviations[name], away)
+        if born.any():
+            self._add_born({name: values[born] for name, values in columns.items()})
+        if there.any():
+            self._add_start({name: values[there] for name, values in columns.items()})
+
+    def _add_born(self, columns: Columns) -> None:
+        self._add_places(columns["birth_distance"])
+        for name in self.moments.keys() & columns.keys():
+            self.moments[name].add(columns[name])
+        if not has_single_values(self._model.sizes):
+            self.samples["diameter"].add(np.searchsorted(self._law, columns["diameter"]) / _QUANTILES)
+        if "lateral_offset" in columns:
+            self.samples["offset"].add(0.5 + 0.5 * columns["lateral_offset"] / columns["diameter"])
+
+    def _add_start(self, columns: Columns) -> None:
+        """Add who is alive at the start: ages are uniform over lives, and sizes and offsets weigh by their lives."""
+        self.at_start += columns["diameter"].size
+        self.samples["start_age"].add(-columns["birth_distance"] / columns["life_distance"])
+        if not has_single_values(self._model.sizes):
+            self.samples["start_diameter"].add(self._by_life[np.searchsorted(self._law, columns["diameter"])])
+        if "lateral_offset" in columns:
+            aside = columns["lateral_offset"] / columns["diameter"]
+            below = aside * half_life(np.ones(aside.size), aside) + np.arcsin(aside)
+            self.samples["start_offset"].add(0.5 + below / np.pi)
 
     def _add_places(self, birth: Doubles) -> None:
-        gaps = np.diff(birth, prepend=self.last)
-        whole = gaps[1:] if self.count == 0 else gaps  # the first one may have begun before the run
-        if whole.size:
-            self.shortest = min(self.shortest, float(whole.min()))
-            self.longest = max(self.longest, float(whole.max()))
-        law = self._model.births
+        gaps, law = np.diff(birth, prepend=self.last), self._model.births
         if isinstance(law, GammaBirths):
             from scipy.special import gammainc
 
-            self.gaps.add(gammainc(law.shape, law.shape * whole / law.mean_spacing))
-        else:
-            self.gaps.add(-np.expm1(-gaps / law.mean_spacing))
+            whole = gaps[1:] if self.count == 0 else gaps  # the first one may have begun before the run
+            self.samples["birth_gap"].add(gammainc(law.shape, law.shape * whole / law.mean_spacing))
+        if isinstance(law, PoissonBirths):
+            self.samples["birth_gap"].add(-np.expm1(-gaps / law.mean_spacing))
+            self.samples["birth_place"].add(birth / self._model.distance)
         for windows in self.windows:
             windows.add(birth)
         self.squares += float(np.square(gaps).sum())
-        self.places.add(birth / self._model.distance)
         self.last, self.count = float(birth[-1]), self.count + birth.size
 
 
 class Measured:
     """A sink: moments of columns from the ``first`` tick of their groups on, the landmarks, and the last balance.
 
+    That is where the start of a run is forgotten; 0 in a run that is too short for that.
     ``slips`` are those of a two-way slider that are longer than its diameter d_m, ``kinds`` the numbers of landmarks of
     each kind.
     """
@@ -196,11 +183,7 @@ class Measured:
         self.last: dict[str, float] = {}
         self.kinds = np.zeros(len(LandmarkKind), dtype=np.int64)
         self.slips = Slips(longer_than=model.calibrated_diameter)
-
-    @cached_property
-    def first(self) -> Mapping[str, int]:
-        """Where the start of a run is forgotten, by group; 0 in a run that is too short for that."""
-        return {group: tick or 0 for group, tick in settled(self.model).items()}
+        self.first: Mapping[str, int] = {group: tick or 0 for group, tick in settled(model).items()}
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Add rows of a group (see Sink)."""
@@ -227,23 +210,27 @@ class Measured:
 class MeasuredRun(Measured):
     """Beside moments the area as noise, the births, sums of lives, and deviations from exact relations.
 
-    ``off`` holds the largest deviation of each relation between columns, by its name; ``sums`` what the rows of
-    /junctions make of area, count and force at the ticks of ``sampled``.
+    ``off`` holds the largest deviation from each of `relations` and the largest value, by name; ``sums`` what the rows
+    of /junctions make of area, count and force at the ticks of ``sampled``, ``apart`` ticks from each other.
     """
 
     def __init__(self, model: Model) -> None:
-        self.layout, self.births = Sampling.of(model), Births(model)
         super().__init__(model)
         self.first = forgetting(model)
-        self.off: dict[str, float] = {}
+        self.births = Births(model)
+        self.off: dict[str, tuple[float, float]] = {}
         self.stretches: dict[str, Stretches] = {}
         self.zero_ticks, self.largest = 0, 0.0
-        self.spectrum = WelchSum(self.layout.segment, self.layout.stride * model.tick)
-        centre = area_cumulants(model).mean if model.free is None else 0.0
-        self.products = CovarianceSum(np.array(self.layout.lags), centre)
+        longest = longest_life(model) / model.tick
+        stride = max(1, int(longest) // _MOST_TICKS_A_LIFE)
+        life = model.mean_life_distance / (stride * model.tick)
+        segment = max(_FEWEST_TICKS, 2 ** ceil(np.log2(max(_LIVES_A_SEGMENT * life, 1.0))))
+        lags = np.unique([max(1, round(share * life)) for share in _LAGS])
+        self.noise = AreaNoise(model, self.first["trace"], stride, segment, lags)
         self._sampled: list[Doubles] = [np.empty((3, 0))]
-        self._first = self.first["trace"] % self.layout.apart
-        self._ticks = model.tick * np.arange(self._first, model.tick_count + 1, self.layout.apart)
+        self.apart = int(longest) + 2
+        self._first = self.first["trace"] % self.apart
+        self._ticks = model.tick * np.arange(self._first, model.tick_count + 1, self.apart)
         self.sums = np.zeros((3, self._ticks.size))
 
     def ticks(self) -> int:
@@ -258,31 +245,24 @@ class MeasuredRun(Measured):
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Add rows of a group (see Sink); those of /slider over a base and of /load come with the trace beside them."""
         super().write(group, first_row, columns)
-        if group == "junctions" and self.model.free is None:
+        for name, values, right in relations(self.model, group, columns):
+            away, largest = self.off.get(name, (0.0, 0.0))
+            seen = float(np.abs(values - right).max(initial=0.0)), float(np.max(right, initial=0.0))
+            self.off[name] = max(away, seen[0]), max(largest, seen[1])
+        if self.model.free is not None:
+            self._add_stretches(group, first_row, columns)
+        elif group == "junctions":
             self.births.add(columns)
             self._sum_up(columns)
-        elif group == "trace" and self.model.free is None:
-            self._add_noise(first_row, self.skipped(group, first_row, columns), columns)
-        elif group == "load":
-            self._bear(first_row, columns)
-        if "base_displacement" in columns:
-            lift = self.model.base_per_area * columns["real_contact_area"]
-            self._relate("base_displacement", columns["base_displacement"], lift)
+        elif group == "trace":
+            self._add_trace(first_row, columns)
 
-    def _relate(self, name: str, values: Doubles, right: Doubles) -> None:
-        self.off[name] = max(self.off.get(name, 0.0), float(np.abs(values - right).max(initial=0.0)))
-
-    def _add_noise(self, first_row: int, first: int, columns: Columns) -> None:
+    def _add_trace(self, first_row: int, columns: Columns) -> None:
         area, count = columns["real_contact_area"], columns["junction_count"]
-        self.zero_ticks += int((count[first:] == 0).sum())
-        since = first_row + first - self.first["trace"]
-        thinned = area[first + -since % self.layout.stride :: self.layout.stride]
-        self.products.add(thinned)
-        self.spectrum.add(thinned)
+        self.zero_ticks += int((count[self.skipped("trace", first_row, columns) :] == 0).sum())
+        self.noise.add(first_row, area)
         force = columns.get("friction_force", np.zeros(area.size))
-        if isinstance(self.model.strengths, Fixed) and self.model.held is None:
-            self._relate("friction_force", force, self.model.strengths.mean * area)
-        places = slice((self._first - first_row) % self.layout.apart, None, self.layout.apart)
+        places = slice((self._first - first_row) % self.apart, None, self.apart)
         self._sampled.append(np.stack([area[places], count[places].astype(np.float64), force[places]]))
 
     def _sum_up(self, columns: Columns) -> None:
@@ -298,25 +278,52 @@ class MeasuredRun(Measured):
             self.sums[line] += np.bincount(tick[there], values, self._ticks.size)
         self.largest = max(self.largest, float(diameter.max(initial=0.0)))
 
-    def _bear(self, first_row: int, columns: Columns) -> None:
-        """Add rows of /load with the trace beside them: what the contact bears, and the force of friction."""
-        held, free, load, area = self.model.held, self.model.free, columns["load"], columns["real_contact_area"]
-        if held is None:
-            return
-        elastic = held.hardness * area
-        bears = elastic if free else elastic - held.stiffness * columns["separation"]
-        if free is None:
-            self._relate("load", load, bears)
-        elif free.restitution is not None:
-            self._relate("load", load, np.clip(load, free.restitution**2 * elastic, elastic))
-        self.largest = max(self.largest, float(elastic.max(initial=held.load))) if free else self.largest
-        if "friction_force" in columns and isinstance(self.model.strengths, Fixed):
-            right = self.model.strengths.mean / held.hardness * (elastic if free else load)
-            self._relate("friction_force", columns["friction_force"], right)
+    def _add_stretches(self, group: str, first_row: int, columns: Columns) -> None:
+        """Add rows of /load in free motion, with the area beside them."""
         length = self.model.tick_count // STRETCHES
         for name in ("load", "velocity", "separation", "real_contact_area"):
-            if free and length:
+            if group == "load" and length:
                 self.stretches.setdefault(name, Stretches(length)).add(first_row, columns[name])
+
+
+UNITS: Final = {
+    "birth_gap": "um",
+    "diameter": "um",
+    "shear_strength": "MPa",
+    "base_displacement": "um",
+    "friction_force": "uN",
+    "load": "uN",
+}
+"""Units of the columns that `relations` knows."""
+
+
+def relations(model: Model, group: str, columns: Columns) -> Iterator[tuple[str, Doubles, Doubles | float]]:
+    """Yield the name of each exact relation that rows of a group obey, a column, and what other columns make of it.
+
+    Rows of /load and of /slider over a base have the area and the force of the trace beside them.
+    """
+    held, free, area = model.held, model.free, columns.get("real_contact_area", np.empty(0))
+    strength = model.strengths.mean if isinstance(model.strengths, Fixed) else None
+    if group == "junctions" and isinstance(model.sizes, Fixed):
+        yield "diameter", columns["diameter"], model.sizes.mean
+    if group == "junctions" and free is None and isinstance(model.births, RegularBirths):
+        birth = columns["birth_distance"][~np.signbit(columns["birth_distance"])]
+        yield "birth_gap", birth[1:], birth[:-1] + model.mean_birth_spacing
+    if strength is not None and "shear_strength" in columns:
+        yield "shear_strength", columns["shear_strength"], strength
+    if "base_displacement" in columns:
+        yield "base_displacement", columns["base_displacement"], model.base_per_area * area
+    if group == "trace" and held is None and strength is not None:
+        yield "friction_force", columns["friction_force"], strength * area
+    if group == "load" and held is not None:
+        load, elastic = columns["load"], held.hardness * area
+        bears = elastic if free else elastic - held.stiffness * columns["separation"]
+        if free is None:
+            yield "load", load, bears
+        elif free.restitution is not None:
+            yield "load", load, np.clip(load, free.restitution**2 * elastic, elastic)
+        if strength is not None:
+            yield "friction_force", columns["friction_force"], strength / held.hardness * (elastic if free else load)
 
 
 READ: Final = {
@@ -345,12 +352,8 @@ def measured_run(model: Model, rows: Rows) -> MeasuredRun:
         for columns in checked_chunks(rows, group, READ[group]):
             size = next(iter(columns.values())).size
             if group == "load" or "base_displacement" in columns:
-                beside = ("real_contact_area", "friction_force")
-                columns |= {
-                    name: rows.column("trace", name, first, first + size)
-                    for name in beside
-                    if name in rows.columns["trace"]
-                }
+                beside = {"real_contact_area", "friction_force"}.intersection(rows.columns["trace"])
+                columns |= {name: rows.column("trace", name, first, first + size) for name in beside}
             seen.write(group, first, columns)
             first += size
     if seen.last and not seen.last["time"] > 0.0:

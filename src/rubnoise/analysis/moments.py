@@ -13,9 +13,9 @@ from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
 from rubnoise.contact.distributions import Fixed
 from rubnoise.errors import Refused
-from rubnoise.model import Model, Slider
+from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, load_motion, weak_motion
-from rubnoise.theory.motion import DrivenOscillator, contact_drive_of, drive_of, response
+from rubnoise.theory.motion import contact_drive_of, response
 from rubnoise.theory.sampling import motion_errors
 from rubnoise.theory.second_order import are_at_random, autocovariance
 from rubnoise.theory.sizes import COARSE, longest_life, sizes_of
@@ -51,17 +51,17 @@ def forgetting(model: Model) -> dict[str, int]:
             spread = hypot(exact.displacement_std, exact.velocity_std / slider.natural_angular_frequency)
             away = abs(exact.mean_displacement - (0.0 if empty else model.equilibrium_displacement))
             if spread > 0.0:
-                found["slider"] += _ticks_to_forget(model, drive_of(model), 1.0 + away / spread)
+                found["slider"] += _ticks_to_forget(model, "slider", 1.0 + away / spread)
     if model.separation is not None:
         drive, motion = contact_drive_of(model), load_motion(model)
         lacking = drive.slider.stiffness * motion.separation_std + (model.load or 0.0) * empty
-        found["load"] += _ticks_to_forget(model, drive, max(lacking / motion.load_std, 1.0))
+        found["load"] += _ticks_to_forget(model, "load", max(lacking / motion.load_std, 1.0))
     return found
 
 
-def _ticks_to_forget(model: Model, drive: DrivenOscillator, spreads: float) -> int:
+def _ticks_to_forget(model: Model, group: str, spreads: float) -> int:
     """Return the ticks in which a start that is so many spreads away decays to a thousandth of one."""
-    return ceil(log(spreads / _FORGOTTEN) * slowest_decay(drive.slider) * drive.speed / model.tick)
+    return ceil(log(spreads / _FORGOTTEN) * decay(model, group) / model.tick)
 
 
 @lru_cache(maxsize=8)
@@ -70,18 +70,11 @@ def settled(model: Model) -> dict[str, int | None]:
 
     After an empty start 50 mean lives must be left, of a motion 10 decay times.
     """
-    oscillators = {"slider": model.slider}
-    if model.separation is not None:
-        oscillators["load"] = contact_drive_of(model).slider
-    found: dict[str, int | None] = {}
-    for group, first in forgetting(model).items():
-        left = model.distance - first * model.tick
-        long_enough = model.start == "stationary" or left >= FEWEST_LIVES * model.mean_life_distance
-        if (slider := oscillators.get(group)) is not None:
-            decays = decays_of(model, slider, left)
-            long_enough = long_enough and decays is not None and decays >= FEWEST_DECAYS
-        found[group] = first if long_enough else None
-    return found
+    lives = FEWEST_LIVES * model.mean_life_distance if model.start == "empty" else 0.0
+    return {
+        group: first if model.distance - first * model.tick >= max(lives, FEWEST_DECAYS * decay(model, group)) else None
+        for group, first in forgetting(model).items()
+    }
 
 
 def stationary_part(model: Model) -> Model:
@@ -106,10 +99,9 @@ def needed_for_motion(model: Model) -> float | None:
     It never has them without slider or damping, or from an empty start. Errors fall as one over the root of the
     distance; births that are not random have only the error of the mean, which needs only the decay times.
     """
-    decays = decays_of(model, model.slider, model.distance)
-    if decays is None or decays >= FEWEST_DECAYS or model.start != "stationary":
+    needed = FEWEST_DECAYS * decay(model, "slider")
+    if not model.distance < needed < inf or model.start != "stationary":
         return None
-    needed = model.distance * FEWEST_DECAYS / decays
     if are_at_random(model):
         errors, exact = motion_errors(model, needed), response(model)
         relative = max(errors["displacement_std"] / exact.displacement_std, errors["velocity_std"] / exact.velocity_std)
@@ -117,21 +109,20 @@ def needed_for_motion(model: Model) -> float | None:
     return forgetting(model)["slider"] * model.tick + needed
 
 
-def decays_of(model: Model, slider: Slider | None, distance: float) -> float | None:
-    """Return a part of a run, in um, in the slowest decay times of an oscillator; None if nothing decays."""
-    speed = model.sliding_speed
-    if slider is None or speed is None or slider.damping == 0.0:
-        return None
-    if model.free is not None or (model.is_two_way and coupling(model).unknown is not None):
-        return None
-    return distance / speed / slowest_decay(slider)
+def decay(model: Model, group: str) -> float:
+    """Return the sliding distance in um in which the slowest free motion of a group decays by e.
 
-
-def slowest_decay(slider: Slider) -> float:
-    """Return the time in s in which the slowest free motion decays by e: 2m/c, or about c/k if that is longer."""
-    if slider.damping == 0.0:
+    It is 0 without a motion, and inf if it never decays or theory does not know it.
+    """
+    slider = model.slider
+    if group == "load":
+        slider = model.separation.oscillator if model.separation is not None else None
+    if group == "trace" or slider is None:
+        return 0.0
+    unknown = model.free is not None or (model.is_two_way and coupling(model).unknown is not None)
+    if unknown or model.sliding_speed is None or slider.damping == 0.0:
         return inf
-    return max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
+    return max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness) * model.sliding_speed
 
 
 _GRID = 1024

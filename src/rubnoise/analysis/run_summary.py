@@ -4,7 +4,7 @@ The model determines the places of these curves before the run, so they are equa
 """
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, floor, log2
 from typing import Any, Final
@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import attributes_of
-from rubnoise.analysis.measured import Measured
+from rubnoise.analysis.measured import AreaNoise, Measured
 from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors, stationary_part
-from rubnoise.analysis.records import CovarianceSum, HistogramSum
-from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, bands_of, hann
+from rubnoise.analysis.records import HistogramSum
+from rubnoise.analysis.spectra import WelchSum, band_powers, bands_of, hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -113,20 +113,15 @@ class SummarySink(Measured):
         super().__init__(model)
         self._layout = layout = RunLayout.of(stationary_part(model))
         self._histogram = HistogramSum(layout.edges, layout.batch)
-        self._spectrum = WelchSum(layout.segment, layout.step)
-        self._covariance = CovarianceSum(layout.lags, area_cumulants(model).mean)
+        self._noise = AreaNoise(model, self.first["trace"], layout.stride, layout.segment, layout.lags)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Add rows of a group (see Sink)."""
         super().write(group, first_row, columns)
-        if group != "trace":
-            return
-        area = columns["real_contact_area"][self.skipped(group, first_row, columns) :]
-        self._histogram.add(area)
-        since = max(first_row - self.first[group], 0)
-        thinned = area[-since % self._layout.stride :: self._layout.stride]
-        self._spectrum.add(thinned)
-        self._covariance.add(thinned)
+        if group == "trace":
+            area = columns["real_contact_area"]
+            self._histogram.add(area[self.skipped(group, first_row, columns) :])
+            self._noise.add(first_row, area)
 
     def finish(self) -> dict[str, Any]:
         """Return the attributes of the figures of the rows so far, and the CURVES of real contact area by name.
@@ -137,8 +132,8 @@ class SummarySink(Measured):
         curves = {
             "histogram": histogram.density,
             "histogram_standard_error": histogram.standard_error,
-            "spectrum": self._layout.banded(self._spectrum.spectrum().density),
-            "autocovariance": self._covariance.covariances(),
+            "spectrum": self._layout.banded(self._noise.spectrum.spectrum().density),
+            "autocovariance": self._noise.products.covariances(),
         }
         figures = attributes_of(summarise(self))
         return {**figures, **{name: _filled_up(values, CURVES[name]) for name, values in curves.items()}}
@@ -163,10 +158,9 @@ def curve_theory(model: Model) -> dict[str, Doubles]:
     """
     model = stationary_part(model)
     layout, found = RunLayout.of(model), dict[str, Doubles]()
-    wavenumbers = np.asarray(2.0 * np.pi * np.fft.rfftfreq(layout.segment, layout.step), dtype=np.float64)
     places = {
         "histogram": (0.5 * (layout.edges[1:] + layout.edges[:-1]), _shares),
-        "spectrum": (layout.banded(wavenumbers), _spectrum),
+        "spectrum": (layout.banded(WelchSum(layout.segment, layout.step).spectrum().wavenumber), _spectrum),
         "autocovariance": (layout.step * layout.lags.astype(np.float64), _covariance),
     }
     for name, (place, theory) in places.items():
@@ -174,7 +168,7 @@ def curve_theory(model: Model) -> dict[str, Doubles]:
         if model.start == "stationary":
             with suppress(Refused):
                 expected, error = theory(model, layout)
-        parts = {"place": place, "expected": expected, "standard_error": error if _has_errors(model) else np.empty(0)}
+        parts = {"place": place, "expected": expected, "standard_error": error}
         found |= {f"{name}_{part}": _filled_up(values, CURVES[name]) for part, values in parts.items()}
     del found["histogram_standard_error"]  # which each run has
     return found
@@ -196,17 +190,11 @@ def _shares(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
 
 def _spectrum(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
     """Return the mean expected density of each band, aliases and leakage included, and its standard error."""
-    wavenumber, expected = expected_periodogram(model, layout.step, hann(layout.segment))
+    _, expected = expected_periodogram(model, layout.step, hann(layout.segment))
     means = layout.banded(expected)
     if not means.size or not _has_errors(model):
         return means, np.empty(0)
-    shown = Spectrum(
-        wavenumber=wavenumber,
-        density=expected,
-        standard_error=expected,
-        ticks=layout.segment,
-        segments=layout.segments,
-    )
+    shown = replace(WelchSum(layout.segment, layout.step).spectrum(), segments=layout.segments)
     powers = band_powers(model, shown, expected, model.distance, BANDS)
     return means, means * np.array([(band.standard_error / band.expected) for band in powers])
 

@@ -11,10 +11,10 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from rubnoise.analysis.moments import settled
+from rubnoise.answer import Table
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.moments import Moments
 from rubnoise.record.reader import Rows, column_chunks
 from rubnoise.theory.coupling import THIRD, band_numbers, level, third_octaves
 from rubnoise.theory.motion import FORCE, density_of, need_friction
@@ -234,25 +234,11 @@ _FEWEST_BINS: Final = 4
 _PART_LEFT_OUT: Final = 1e-6  # of the power, 60 dB: as in theory
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class HeardBands:
-    """Levels in dB re 50 nm/s in third octaves about frequencies in Hz: of a run, and exact ones (None if not known).
-
-    ``velocity`` is the standard deviation in um/s, over all frequencies, and ``whole_level`` its level.
-    """
-
-    velocity: float
-    whole_level: float
-    frequency: Doubles
-    level: Doubles
-    exact: Doubles | None
-
-
-def heard_bands(rows: Rows, model: Model) -> HeardBands:
+def heard_bands(rows: Rows, model: Model) -> Table:
     """Return the normal velocity of a run in the third octaves that hold more than 1e-6 of its power.
 
-    The whole is the standard deviation of the velocity, a band the integral of Welch's estimate over it,
-    (1/pi) int S dw; bands of fewer than 4 of its bins are left out.
+    frequency: the middles in Hz; level: in dB re 50 nm/s, the integral of Welch's estimate, (1/pi) int S dw; exact: if
+    theory knows them. Bands of fewer than 4 of its bins are left out.
     Raises Refused for a run without a load that weighs, and for one too short for any band.
     """
     if "load" not in rows.columns or model.tick_duration is None:
@@ -262,29 +248,20 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
     ticks = min(2 * (count // (_SEGMENTS + 1)), _MOST_TICKS)
     if ticks < 4 * _FEWEST_BINS:
         raise Refused(f"{count} ticks are too few for third octaves")
-    total, moments = WelchSum(ticks, model.tick_duration), Moments(powers=2)
-    for velocity in column_chunks(rows, "load", "velocity", first, first + count):
-        total.add(velocity)
-        moments.add(velocity)
-    spectrum = total.spectrum()
+    spectrum = welch(column_chunks(rows, "load", "velocity", first, first + count), ticks, model.tick_duration)
     width = float(spectrum.wavenumber[1]) / (2.0 * pi)
     edges = width * (np.arange(spectrum.density.size) + 0.5)
-    running = np.cumsum(spectrum.density[1:]) * (float(spectrum.wavenumber[1]) / pi)
-    lowest = _FEWEST_BINS * width / (THIRD - 1.0 / THIRD)
-    numbers = np.array(band_numbers(lowest, edges[-1] / THIRD))
+    running = np.cumsum(spectrum.density[1:]) * 2.0 * width
+    numbers = np.array(band_numbers(_FEWEST_BINS * width / (THIRD - 1.0 / THIRD), edges[-1] / THIRD))
     middles = 10.0 ** (0.1 * numbers)
     upper, lower = (np.interp(middles * side, edges[1:], running) for side in (THIRD, 1.0 / THIRD))
-    power, exact = upper - lower, None
+    power, exact = upper - lower, dict[str, Doubles]()
     kept = power > _PART_LEFT_OUT * running[-1]
     with suppress(Refused):
         bands = third_octaves(model)
         known = np.rint(10.0 * np.log10(bands["frequency"]))
         kept &= np.isin(numbers, known)
-        exact = bands["level"][np.searchsorted(known, numbers[kept])]
-    return HeardBands(
-        velocity=moments.std,
-        whole_level=level(moments.std),
-        frequency=middles[kept],
-        level=np.array([level(sqrt(each)) for each in power[kept].tolist()]),
-        exact=exact,
-    )
+        exact = {"exact": bands["level"][np.searchsorted(known, numbers[kept])]}
+    levels = np.array([level(sqrt(each)) for each in power[kept].tolist()])
+    columns = {"frequency": middles[kept], "level": levels} | exact
+    return Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "level": "dB", "exact": "dB"})

@@ -79,16 +79,16 @@ def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
     Roughness noise is reported so: in dB re 50 nm/s.
     """
     from rubnoise.analysis.spectra import heard_bands
+    from rubnoise.theory.coupling import level
 
     try:
-        heard = heard_bands(run.reader(), run.model())
+        bands = heard_bands(run.reader(), run.model())
     except Refused:
         return [], []
-    level = "level", heard.whole_level, "dB", "re 50 nm/s"
-    told = list(rows("normal_velocity", ("velocity", heard.velocity, "um/s"), level))
-    columns = {"frequency": heard.frequency, "level": heard.level, "exact": heard.exact}
-    columns = {name: values for name, values in columns.items() if values is not None}
-    return told, [Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "level": "dB", "exact": "dB"})]
+    velocity = next((row.value for row in run.summary if row.name == "normal_velocity_std"), None)
+    whole = None if velocity is None else level(velocity)
+    told = rows("normal_velocity", ("velocity", velocity, "um/s"), ("level", whole, "dB", "re 50 nm/s"))
+    return list(told), [bands]
 
 
 def sweep_answer(sweep: "SweepResult", folder: Path, more: "list[Table]") -> Answer:
