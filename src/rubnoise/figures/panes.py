@@ -5,7 +5,6 @@ Blue is simulated and vermilion exact; two runs are a broad pale curve and a thi
 
 from collections.abc import Sequence
 from dataclasses import replace
-from heapq import heappop, heappush
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
 
@@ -14,13 +13,12 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.selection import Neighbours, first_row
-from rubnoise.analysis.spectra import Spectrum, hann, shared_variance, welch
+from rubnoise.analysis.spectra import Spectrum, shared_variance, welch
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures import style
 from rubnoise.figures.style import BLUE, FAINT, INK, NEAREST, VERMILION
 from rubnoise.figures.tracks import Track
-from rubnoise.theory.sampling import expected_periodogram, through_window
 from rubnoise.theory.second_order import area_noise
 
 if TYPE_CHECKING:
@@ -165,14 +163,10 @@ def draw_lanes(axes: "Axes", lives: Neighbours, middle: float) -> None:
 
 def lanes(birth: Doubles, death: Doubles) -> NDArray[np.int64]:
     """Return for each life the lowest lane that is free at its birth; births in order, um, death later than birth."""
-    found = np.zeros(birth.size, dtype=np.int64)
-    alive: list[tuple[float, int]] = []
-    free: list[int] = []
-    for row, (begin, end) in enumerate(zip(birth.tolist(), death.tolist(), strict=True)):
-        while alive and alive[0][0] <= begin:
-            heappush(free, heappop(alive)[1])
-        found[row] = heappop(free) if free else len(alive)
-        heappush(alive, (end, int(found[row])))
+    found, free_from = np.zeros(birth.size, dtype=np.int64), np.full(birth.size, -np.inf)
+    for row, begin in enumerate(birth.tolist()):
+        found[row] = np.argmax(free_from <= begin)
+        free_from[found[row]] = death[row]
     return found
 
 
@@ -288,10 +282,8 @@ def expectation(track: Track, seen: Spectrum) -> Doubles | None:
     """Return what theory expects of an estimate, bin by bin; None of two-way or free motion, and of lines alone."""
     if not track.has_theory:
         return None
-    if not track.timed:
-        return expected_periodogram(track.model, track.step, hann(seen.ticks))[1]
     try:
-        expected = through_window(track.density, track.step, hann(seen.ticks), seen.density.size - 1)
+        expected = track.expected(seen.ticks, seen.density.size - 1)
     except Refused:
         return None
     return expected if expected.any() else None

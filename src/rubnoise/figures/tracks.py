@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.selection import first_row
-from rubnoise.analysis.spectra import force_spectrum
+from rubnoise.analysis.spectra import hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.style import shortened
@@ -21,7 +21,8 @@ from rubnoise.record.reader import Reader, chunks, column_chunks
 from rubnoise.scenario.reading import stored
 from rubnoise.theory.ancestors import white_spectrum
 from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.motion import FORCE, motion_spectrum
+from rubnoise.theory.motion import FORCE, density_of, motion_spectrum, need_friction
+from rubnoise.theory.sampling import expected_periodogram, through_window
 from rubnoise.theory.second_order import spectral_density
 
 MOST_POINTS: Final = 3000
@@ -146,6 +147,23 @@ QUANTITIES: Final[Mapping[str, DrawnColumn]] = {
     "normal-velocity": DrawnColumn("normal velocity", "load", "velocity", "mm/s", "normal_velocity"),
 }
 """Everything that is drawn along a run, by name."""
+
+
+def exact_spectrum(model: Model, quantity: str, place: Doubles, *, timed: bool) -> Doubles:
+    """Return the exact two-sided density of a quantity over rad/um, or ``timed`` over rad/s, in its unit squared.
+
+    Over frequency it is S(w/V)/V of a force or a motion. Raises Refused if theory has none.
+    """
+    if not timed and quantity == "real_contact_area":
+        return spectral_density(model, place)
+    if not timed and quantity == FORCE:
+        return density_of(model, FORCE, place)
+    if quantity != FORCE:
+        return motion_spectrum(quantity, model, place)
+    need_friction(model)
+    if model.strengths is None or model.sliding_speed is None:
+        raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
+    return density_of(model, FORCE, place / model.sliding_speed) / model.sliding_speed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -274,11 +292,16 @@ class Track:
 
         Raises Refused if theory has none.
         """
-        stem, model = self.quantity.stem, self.model
+        return self.quantity.scale**2 * exact_spectrum(self.model, self.quantity.stem, place, timed=self.timed)
+
+    def expected(self, ticks: int, last: int) -> Doubles:
+        """Return what theory expects of Welch's estimate of that density at bins 0 ... ``last`` of segments of ticks.
+
+        Raises Refused if theory has none.
+        """
         if not self.timed:
-            return spectral_density(model, place)
-        found = force_spectrum(model, place) if stem == FORCE else motion_spectrum(stem, model, place)
-        return self.quantity.scale**2 * found
+            return expected_periodogram(self.model, self.step, hann(ticks))[1]
+        return through_window(self.density, self.step, hann(ticks), last)
 
     def white(self, angular_frequency: Doubles) -> Doubles | None:
         """Return the density of white noise of the same level at low frequency (Kilburn); None if it is of no use."""
