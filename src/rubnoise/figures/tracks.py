@@ -196,11 +196,12 @@ class Track:
             words = quantity.column.replace("_", " ")
             raise Refused(f"the run has no {words} to draw; [strength] in its scenario would give it one")
         first, last = stretch.rows(group)
-        found = cls(stretch=stretch, quantity=quantity, group=group, first=first, last=last)
-        if last - first < 2:
-            ends = f"{stretch.start:g} to {stretch.stop:g} um"
-            raise Refused(f"the slider passes {ends} in less than the {found.step:.3g} s between two rows of /{group}")
-        return found
+        return cls(stretch=stretch, quantity=quantity, group=group, first=first, last=last)
+
+    def __post_init__(self) -> None:
+        if self.last - self.first < 2:
+            begin = f"{self.step * self.first:.4g} {'s' if self.timed else 'um'}"
+            raise Refused(f"{self.stretch.name}: fewer than two rows of /{self.group} are to be drawn from {begin} on")
 
     @property
     def model(self) -> Model:
@@ -247,12 +248,8 @@ class Track:
 
     def between(self, begin: float, end: float) -> Self:
         """Return the rows between two places or times, up to the end of the run; raises Refused for fewer than two."""
-        rows = self.stretch.file.rows(self.group)
-        first = min(round(begin / self.step), rows)
-        last = min(max(round(end / self.step) + 1, first + 2), rows)
-        if last - first < 2:
-            raise Refused(f"{self.stretch.name} is over before {begin:g} {'s' if self.timed else 'um'}")
-        return replace(self, first=first, last=last)
+        rows, first = self.stretch.file.rows(self.group), round(begin / self.step)
+        return replace(self, first=first, last=min(max(round(end / self.step) + 1, first + 2), rows))
 
     def curve(self) -> tuple[Doubles, Doubles]:
         """Return places or times and values as on the axes; of many rows only the extremes of each few."""
