@@ -1,7 +1,7 @@
 """Pictures of sweeps, and stretches of a result with what is left of them."""
 
+import json
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.replicates import pooled
-from rubnoise.figures.study import Spot, Study, StudyLine, draw_study, exact_of, study_of_points
+from rubnoise.figures.study import Study, draw_study, exact_of, study_of_sweep
 from rubnoise.figures.style import drawn
 from rubnoise.figures.tracks import MOST_POINTS, Stretch, Track
 from rubnoise.scenario import Scenario, build
+from rubnoise.storage.index import Filled, Index
 from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.schema import Dataset
 from rubnoise.theory.moments import area_cumulants
 from tests.laws.scores import seed_of
 
@@ -40,25 +41,27 @@ def _scenario(values: dict[str, Any]) -> Scenario:
     return build({"format": 1, **tables})
 
 
-def _points(grid: dict[str, Sequence[Any]], quantity: str = STD, *, runs: int = 8, scatter: float = 0.02) -> list[Spot]:
-    """Return points whose runs scatter about the exact value."""
+def _index(grid: dict[str, Sequence[Any]], *, runs: int = 8, scatter: float = 0.02, off: float = 1.0) -> Index:
+    """Return the index of a sweep whose runs scatter about the exact value of STD, or about ``off`` times it."""
     rng = np.random.Generator(np.random.PCG64(seed_of("study/points")))
-    found = []
-    for chosen in product(*grid.values()):
-        values = dict(zip(grid, chosen, strict=True))
-        scenario = _scenario(values)
-        told = {key: _number(scenario, key) for key in values}
-        exact = exact_of(scenario, quantity)
-        found.append(
-            Spot(
-                values=values,
-                numbers={key: number for key, number in told.items() if number is not None},
-                scenario=scenario,
-                seen=pooled(quantity, (exact * rng.normal(1.0, scatter, runs)).tolist(), scatter * exact),
-                exact=exact,
-            )
-        )
-    return found
+    points = [dict(zip(grid, chosen, strict=True)) for chosen in product(*grid.values())]
+    scenarios = [_scenario(values) for values in points]
+    exact = np.array([exact_of(scenario, STD) for scenario in scenarios])
+    seen = off * exact[:, np.newaxis] * rng.normal(1.0, scatter, (len(points), runs))
+    columns = {key: np.array([_number(scenario, key) for scenario in scenarios]) for key in grid}
+    columns["values"] = np.array([json.dumps(values) for values in points])
+    of_runs = {"point": np.repeat(np.arange(len(points)), runs), STD: seen.ravel()}
+    of_runs[f"{STD}_standard_error"] = np.repeat(scatter * exact, runs)
+    texts = {
+        "scenario_resolved": json.dumps(_scenario({}).resolved()),
+        "side_by_side": "[]",
+        "grid": json.dumps([*grid]),
+    }
+    return Index(texts=texts, points=_filled(columns), runs=_filled(of_runs), summaries={})
+
+
+def _filled(columns: dict[str, np.ndarray]) -> dict[str, Filled]:
+    return {name: Filled(about=Dataset(name, UNITS.get(name, "1"), "", ""), values=columns[name]) for name in columns}
 
 
 def _number(scenario: Scenario, key: str) -> float | None:
@@ -67,44 +70,38 @@ def _number(scenario: Scenario, key: str) -> float | None:
     return float(value) if isinstance(value, int | float) else None
 
 
-def _study(grid: dict[str, Sequence[Any]], quantity: str = STD, side_by_side: Sequence[str] = (), **how: Any) -> Study:
-    units = {key: UNITS[key] for key in grid}
-    return study_of_points(
-        _points(grid, quantity, **how), quantity, title="a study", units=units, side_by_side=side_by_side
-    )
+def _study(grid: dict[str, Sequence[Any]], **how: Any) -> Study:
+    return study_of_sweep(_index(grid, **how), "a study", STD)
 
 
-def _rejected(line: StudyLine) -> bool:
+def _is_rejected(study: Study) -> bool:
     """Whether an exact value lies far outside of what the runs allow."""
-    return any(abs(spot.seen.value - spot.exact) > 5.0 * spot.seen.standard_error for spot in line.spots)
+    known = zip(study.seen, study.exact.tolist(), strict=True)
+    return any(abs(seen.value - exact) > 5.0 * seen.standard_error for seen, exact in known)
 
 
 def test_the_key_with_the_most_numbers_goes_along_the_axis() -> None:
     study = _study({COUNT: [10, 20], AREA: ["100 um^2", "200 um^2", "400 um^2"]})
     assert (study.key, study.unit, study.others) == (AREA, "um^2", (COUNT,))
-    assert [line.label for line in study.lines] == ["10", "20"]
-    assert [spot.place for spot in study.lines[0].spots] == [100.0, 200.0, 400.0]
+    assert [*study.lines] == ["10", "20"]
+    assert study.place[study.lines["10"]].tolist() == [100.0, 200.0, 400.0]
     assert _study({AREA: ["100 um^2", "200 um^2"], COUNT: [10, 20]}).key == AREA
 
 
 def test_the_curve_is_exact_at_the_points_and_between_them() -> None:
     study = _study({COUNT: [10, 20, 40]})
-    assert study.lines[0].curve is not None
-    across, exact = study.lines[0].curve
+    assert study.has_curves
+    across, exact = study.curve(study.lines[""])
     assert set(across) >= {10.0, 20.0, 40.0}
     for x, value in list(zip(across.tolist(), exact.tolist(), strict=True))[::9]:
         assert value == pytest.approx(area_cumulants(_scenario({COUNT: x}).model()).std, rel=1e-9)
-    assert not _rejected(study.lines[0])
+    assert not _is_rejected(study)
 
 
 def test_the_curve_of_another_contact_is_rejected() -> None:
-    points = _points({COUNT: [10, 20, 40]})
-    others = (_scenario({COUNT: 1.2 * point.numbers[COUNT]}) for point in points)
-    wrong = [
-        replace(point, scenario=other, exact=exact_of(other, STD)) for point, other in zip(points, others, strict=True)
-    ]
-    assert _rejected(study_of_points(wrong, STD, title="", units={COUNT: "1"}).lines[0])
-    assert not _rejected(study_of_points(points, STD, title="", units={COUNT: "1"}).lines[0])
+    other = np.sqrt(1.2)  # of a contact with 20 % more junctions
+    assert _is_rejected(_study({COUNT: [10, 20, 40]}, off=other))
+    assert not _is_rejected(_study({COUNT: [10, 20, 40]}))
 
 
 @pytest.mark.slow

@@ -101,16 +101,17 @@ def test_a_study_is_what_the_index_says(swept: Path) -> None:
     with rubnoise.open_sweep(swept) as sweep:
         study = study_of_sweep(sweep.index, sweep.name, STD)
         assert (study.title, study.key, study.unit) == ("study", "interface.mean_junction_count", "1")
-        assert [line.label for line in study.lines] == ["100 µm²", "200 µm²"]
+        assert [*study.lines] == ["100 µm²", "200 µm²"]
         figures, point = sweep.runs[STD][:], sweep.runs["point"][:]
         exact = sweep.runs[f"{STD}_exact"][:]
         for number, values in enumerate(sweep.values):
-            line = study.lines[int(values["interface.mean_real_contact_area"] == "200 um^2")]
-            [spot] = [spot for spot in line.spots if spot.place == values["interface.mean_junction_count"]]
-            assert spot.seen.runs == 6
-            assert spot.seen.value == pytest.approx(np.sqrt(np.square(figures[point == number]).mean()), rel=1e-12)
-            assert spot.exact == pytest.approx(exact[point == number][0], rel=1e-12)
-            assert abs(spot.seen.value - spot.exact) < 6.0 * spot.seen.standard_error
+            rows = study.lines[values["interface.mean_real_contact_area"].replace("um^2", "µm²")]
+            [row] = [row for row in rows if study.place[row] == values["interface.mean_junction_count"]]
+            seen = study.seen[row]
+            assert seen.runs == 6
+            assert seen.value == pytest.approx(np.sqrt(np.square(figures[point == number]).mean()), rel=1e-12)
+            assert study.exact[row] == pytest.approx(exact[point == number][0], rel=1e-12)
+            assert abs(seen.value - study.exact[row]) < 6.0 * seen.standard_error
         assert quantities_of(sweep.index)[-1] == "junction_count_std"
 
 

@@ -1,12 +1,12 @@
 """Figures 4 to 6 of the paper: traces of the real contact area, the force, and the vibration."""
 
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from paper.figures import Sources
-from rubnoise.analysis.selection import neighbours
 from rubnoise.figures.panes import draw_along
 from rubnoise.figures.pictures import draw_lives
 from rubnoise.figures.style import BLUE, VERMILION, add_legends, new_figure
@@ -16,9 +16,8 @@ from rubnoise.theory.moments import distribution
 
 def draw_fig4(sources: Sources) -> Figure:
     """Draw A_r over the whole of a short run, below it the area of every junction, and in both one life in black."""
-    run = sources.stretch("fig4")
     figure = new_figure(7.2, 4.4)
-    draw_lives(figure, run, neighbours(run.file, -1, run.start, run.stop))
+    draw_lives(figure, replace(sources.stretch("fig4"), chosen=True))
     add_legends(figure.axes)
     return figure
 

@@ -17,7 +17,6 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows, column_chunks
 from rubnoise.theory.coupling import THIRD, band_numbers, level, third_octaves
-from rubnoise.theory.motion import FORCE, density_of, need_friction
 from rubnoise.theory.sizes import COARSE, sizes_of
 from rubnoise.theory.unit_pulse import energy, pass_energies
 
@@ -39,14 +38,6 @@ class Spectrum:
     standard_error: Doubles
     ticks: int
     segments: int
-
-
-def force_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
-    """Return the exact two-sided S_F(w/V)/V of the friction force, uN^2 per rad/s; raises Refused without times."""
-    need_friction(model)
-    if model.strengths is None or model.sliding_speed is None:
-        raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
-    return density_of(model, FORCE, angular_frequency / model.sliding_speed) / model.sliding_speed
 
 
 def hann(ticks: int) -> Doubles:

@@ -2,17 +2,16 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from difflib import get_close_matches
 from math import pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from rubnoise.analysis.spectra import SEGMENTS, force_spectrum, welch
+from rubnoise.analysis.spectra import SEGMENTS, welch
 from rubnoise.api.column_group import SHORT, Table
 from rubnoise.api.columns import Column, with_units
-from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.model import Model
 from rubnoise.real_numbers import number_in
 from rubnoise.units import LENGTH, TIME
 
@@ -119,6 +118,8 @@ def _length(segment: Any, place_units: str) -> float:
 
 def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum:
     """Return the spectrum of a column of a run, with the exact one if theory knows it (see Run.psd)."""
+    from rubnoise.figures.tracks import exact_spectrum
+
     groups, model = run.groups(), run.model()
     quantity = SHORT.get(quantity, quantity)
     of_slider = groups["slider"].names[2:] if "slider" in groups else ()
@@ -129,34 +130,17 @@ def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum
         if quantity in ("load", "normal-velocity"):
             hint = f'; run.plot("psd", of={quantity!r}) draws it'
         raise KeyError(f"{quantity!r} has no spectrum here; there are {', '.join(known)}{hint}")
-    if quantity in of_slider:
+    if timed := quantity in of_slider:
         seen = power_spectrum(groups["slider"][quantity], model.tick / (model.sliding_speed or 1.0), "s", segment)
     else:
         seen = power_spectrum(groups["trace"][quantity], model.tick, "um", segment)
-    if (exact := _exact_density(model, quantity, seen)) is None:
-        return seen
-    return PowerSpectrum(quantity, [*seen.values(), with_units(exact, "exact", seen.density.units)], seen.segments)
-
-
-def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
-    """Return the exact density at the places of a spectrum; None if theory has none."""
-    from rubnoise.theory.motion import FORCE, density_of, motion_spectrum
-    from rubnoise.theory.second_order import spectral_density
-
-    try:
-        if "wavenumber" in seen:
-            if quantity == "real_contact_area":
-                return spectral_density(model, seen.place.values)
-            if quantity == FORCE and model.strengths is not None:
-                return density_of(model, FORCE, seen.place.values)
-            return None
-        if model.is_two_way:
-            return None
-        angular = 2.0 * pi * seen.place.values
-        found = force_spectrum(model, angular) if quantity == FORCE else motion_spectrum(quantity, model, angular)
-    except (Refused, KeyError):
-        return None
-    return 2.0 * 1e-12 * found
+    turn, factor = (2.0 * pi, 2.0 * 1e-12) if timed else (1.0, 1.0)
+    columns = [*seen.values()]
+    with suppress(Refused, KeyError):
+        if not (timed and model.is_two_way):
+            exact = factor * exact_spectrum(model, quantity, turn * seen.place.values, timed=timed)
+            columns.append(with_units(exact, "exact", seen.density.units))
+    return PowerSpectrum(quantity, columns, seen.segments)
 
 
 def _squared(unit: str) -> str:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 PICTURES: Final[dict[Kind, tuple[Callable[..., str], float, float]]] = {
     "trace": (pictures.draw_trace, 7.2, 4.6),
-    "lives": (pictures.draw_single_lives, 7.2, 5.2),
+    "lives": (pictures.draw_lives, 7.2, 5.2),
     "histogram": (pictures.draw_values, 7.2, 3.6),
     "psd": (pictures.draw_psd, 7.2, 5.4),
     "acf": (pictures.draw_acf, 7.2, 3.8),

@@ -197,8 +197,7 @@ def draw_life(life: Life, source: str = "") -> "Figure":
     ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
     born = f"born at {life.birth_distance:,.2f} µm{ended}"
     above.set_title(f"{whose}\ndiameter {life.diameter:.4g} µm, {born}", pad=10.0)
-    _draw_neighbours(above, life)
-    _draw_own(above, life)
+    _draw_areas(above, life)
     _draw_contact(below, life)
     for axes in (above, below):
         _shade_unknown(axes, life)
@@ -208,16 +207,14 @@ def draw_life(life: Life, source: str = "") -> "Figure":
     return figure
 
 
-def _draw_neighbours(axes: "Axes", life: Life) -> None:
+def _draw_areas(axes: "Axes", life: Life) -> None:
+    """Draw the area of a junction over those of its neighbours."""
     count, age = life.others.birth.size, np.linspace(0.0, life.life_distance, SAMPLES)
     some = life.others.chosen(slice(None, None, max(1, ceil(count / MOST_DRAWN))))
     areas = some.areas(life.birth_distance + age)
     lines = axes.plot(age, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.7)
     if lines:
         lines[0].set_label(f"{len(lines)} of the {count:,} others" if len(lines) < count else "the others")
-
-
-def _draw_own(axes: "Axes", life: Life) -> None:
     curve = life.curve()
     age, area = curve["distance"] - life.birth_distance, curve["area"]
     axes.fill_between(age, area, color=BLUE, alpha=0.18, lw=0.0)

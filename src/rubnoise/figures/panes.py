@@ -5,7 +5,6 @@ Blue is simulated and vermilion exact; two runs are a broad pale curve and a thi
 
 from collections.abc import Sequence
 from dataclasses import replace
-from heapq import heappop, heappush
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
 
@@ -14,13 +13,12 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.selection import Neighbours, first_row
-from rubnoise.analysis.spectra import Spectrum, hann, shared_variance, welch
+from rubnoise.analysis.spectra import Spectrum, shared_variance, welch
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures import style
 from rubnoise.figures.style import BLUE, FAINT, INK, NEAREST, VERMILION
 from rubnoise.figures.tracks import Track
-from rubnoise.theory.sampling import expected_periodogram, through_window
 from rubnoise.theory.second_order import area_noise
 
 if TYPE_CHECKING:
@@ -165,14 +163,10 @@ def draw_lanes(axes: "Axes", lives: Neighbours, middle: float) -> None:
 
 def lanes(birth: Doubles, death: Doubles) -> NDArray[np.int64]:
     """Return for each life the lowest lane that is free at its birth; births in order, um, death later than birth."""
-    found = np.zeros(birth.size, dtype=np.int64)
-    alive: list[tuple[float, int]] = []
-    free: list[int] = []
-    for row, (begin, end) in enumerate(zip(birth.tolist(), death.tolist(), strict=True)):
-        while alive and alive[0][0] <= begin:
-            heappush(free, heappop(alive)[1])
-        found[row] = heappop(free) if free else len(alive)
-        heappush(alive, (end, int(found[row])))
+    found, free_from = np.zeros(birth.size, dtype=np.int64), np.full(birth.size, -np.inf)
+    for row, begin in enumerate(birth.tolist()):
+        found[row] = np.argmax(free_from <= begin)
+        free_from[found[row]] = death[row]
     return found
 
 
@@ -206,7 +200,7 @@ Seen = tuple[Track, Spectrum]
 
 
 def spectrum_of(track: Track) -> Spectrum:
-    """Return Welch's two-sided estimate over rad/um or rad/s, in the square of the axis's unit, as far as it is drawn.
+    """Return Welch's estimate as it is drawn: of a contact two-sided over rad/um, of what has times one-sided over Hz.
 
     Raises Refused for too few rows, and if nothing but rounding varies.
     """
@@ -225,29 +219,27 @@ def spectrum_of(track: Track) -> Spectrum:
         still = NEAREST**2 * track.quantity.scale * (track.model.sliding_speed or 0.0)
     if seen.density.sum() * seen.wavenumber[1] / pi <= still**2:
         raise Refused(f"the {track.quantity.words} does not vary in this stretch, so it has no spectrum")
-    if track.swings is None:
-        return seen
     highest = max(2.0 * pi * FARTHEST * track.natural, 10.0 * seen.wavenumber[FIRST]) * (1.0 + 1e-9)
-    shown = seen.wavenumber <= highest
-    return replace(seen, wavenumber=seen.wavenumber[shown], density=seen.density[shown])
+    shown = slice(FIRST, int(np.sum(seen.wavenumber <= highest)) if track.swings is not None else None)
+    turn, sides = _turn_and_sides(track)
+    return replace(seen, wavenumber=seen.wavenumber[shown] / turn, density=sides * seen.density[shown])
 
 
 def draw_spectra(axes: "Axes", found: Sequence[Seen]) -> None:
     """Draw two-sided densities of a contact over rad/um, or one-sided ones of a motion over Hz, and the exact one."""
     tracks, (first, seen) = [track for track, _ in found], found[0]
-    turn, sides = _turn_and_sides(first)
-    lowest = min(float(each.wavenumber[FIRST]) for _, each in found) / turn
-    highest = max(float(each.wavenumber[-1]) for _, each in found) / turn
+    lowest = min(float(each.wavenumber[0]) for _, each in found)
+    highest = max(float(each.wavenumber[-1]) for _, each in found)
     if first.swings is not None:
         axes.axvline(first.natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label=NATURAL[first.group])
     looks = looks_of(tracks)
     if len(looks) == 1:
         looks[0]["label"] = f"simulated ({seen.segments} segments)"
     for (_, each), look in zip(found, looks, strict=True):
-        axes.plot(each.wavenumber[FIRST:] / turn, sides * each.density[FIRST:], **look)
+        axes.plot(each.wavenumber, each.density, **look)
     if first.swings is None:  # zeros of the theory lie far below what has a logarithm
-        top = sides * float(seen.density.max())
-        axes.set_ylim(0.1 * sides * float(seen.density.min(where=seen.density > 0.0, initial=top)), 10.0 * top)
+        top = float(seen.density.max())
+        axes.set_ylim(0.1 * float(seen.density.min(where=seen.density > 0.0, initial=top)), 10.0 * top)
     _draw_exact(axes, next((track for track in tracks if track.has_theory), first), lowest, highest)
     style.logarithmic(axes.xaxis, axes.yaxis)
     axes.set(xlim=(lowest, highest), xlabel="frequency (Hz)" if first.timed else "wavenumber (rad/µm)")
@@ -288,24 +280,20 @@ def expectation(track: Track, seen: Spectrum) -> Doubles | None:
     """Return what theory expects of an estimate, bin by bin; None of two-way or free motion, and of lines alone."""
     if not track.has_theory:
         return None
-    if not track.timed:
-        return expected_periodogram(track.model, track.step, hann(seen.ticks))[1]
     try:
-        expected = through_window(track.density, track.step, hann(seen.ticks), seen.density.size - 1)
+        expected = track.expected(seen.ticks, FIRST + seen.density.size - 1)[FIRST:]
     except Refused:
         return None
-    return expected if expected.any() else None
+    return _turn_and_sides(track)[1] * expected if expected.any() else None
 
 
 def draw_expected(axes: "Axes", ratio: "Axes", found: Seen, expected: Doubles, whose: str) -> None:
     """Draw the expectation of an area's estimate, and below the estimate over it in bins, with two standard errors."""
     track, seen = found
-    (turn, sides), shared = _turn_and_sides(track), float(shared_variance(seen.ticks, seen.segments, 0)[0])
-    error, known = sqrt(shared / seen.segments), expected > ROUNDING * float(expected[FIRST:].max())
-    known[:FIRST] = False
-    place, values = seen.wavenumber[known] / turn, seen.density[known] / expected[known]
+    error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
+    known = expected > ROUNDING * float(expected.max())
+    place, level, values = seen.wavenumber[known], expected[known], seen.density[known] / expected[known]
     look: dict[str, Any] = {"color": VERMILION, "alpha": 0.2, "lw": 0.0}
-    level = sides * expected[known]
     low, high = level * max(1.0 - 2.0 * error, 0.0), level * (1.0 + 2.0 * error)
     axes.fill_between(place, low, high, label="± 2 std errors", zorder=1, **look)
     if not track.timed:

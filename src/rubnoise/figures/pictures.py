@@ -124,15 +124,9 @@ def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighb
     return shown, alive
 
 
-def draw_single_lives(figure: "Figure", stretch: Stretch) -> str:
-    """Draw the areas of all junctions of a stretch, stacked to their sum, and each by itself."""
+def draw_lives(figure: "Figure", stretch: Stretch) -> str:
+    """Draw the areas of all junctions of a stretch, stacked to their sum, and below it each by itself."""
     shown, alive = _single(stretch)
-    draw_lives(figure, shown, alive)
-    return f"{alive.rows.size} junctions and their sum"
-
-
-def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
-    """Draw the sum of the areas of junctions in a stretch, and below it each area by itself."""
     lives = (shown.stop - shown.start) / shown.model.mean_life_distance
     place = np.linspace(shown.start, shown.stop, int(min(max(800.0, 40.0 * lives), 4000.0)))
     areas, law, peak = alive.areas(place), area_cumulants(shown.model), 0.25 * np.pi * shown.model.sizes.moment(2)
@@ -151,6 +145,7 @@ def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
     panes.mark_ends(below, alive, -0.09 * highest * even, -0.18 * highest * even)
     below.set(ylim=(-0.27 * highest, highest), ylabel="junction area (µm²)", xlabel=style.DISTANCE)
     below.set_yticks([tick for tick in below.get_yticks() if 0.0 <= tick <= highest])
+    return f"{alive.rows.size} junctions and their sum"
 
 
 def draw_lifelines(figure: "Figure", stretch: Stretch) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.selection import first_row
-from rubnoise.analysis.spectra import force_spectrum
+from rubnoise.analysis.spectra import hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.style import shortened
@@ -21,7 +21,8 @@ from rubnoise.record.reader import Reader, chunks, column_chunks
 from rubnoise.scenario.reading import stored
 from rubnoise.theory.ancestors import white_spectrum
 from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.motion import FORCE, motion_spectrum
+from rubnoise.theory.motion import FORCE, density_of, motion_spectrum, need_friction
+from rubnoise.theory.sampling import expected_periodogram, through_window
 from rubnoise.theory.second_order import spectral_density
 
 MOST_POINTS: Final = 3000
@@ -148,6 +149,23 @@ QUANTITIES: Final[Mapping[str, DrawnColumn]] = {
 """Everything that is drawn along a run, by name."""
 
 
+def exact_spectrum(model: Model, quantity: str, place: Doubles, *, timed: bool) -> Doubles:
+    """Return the exact two-sided density of a quantity over rad/um, or ``timed`` over rad/s, in its unit squared.
+
+    Over frequency it is S(w/V)/V of a force or a motion. Raises Refused if theory has none.
+    """
+    if not timed and quantity == "real_contact_area":
+        return spectral_density(model, place)
+    if not timed and quantity == FORCE:
+        return density_of(model, FORCE, place)
+    if quantity != FORCE:
+        return motion_spectrum(quantity, model, place)
+    need_friction(model)
+    if model.strengths is None or model.sliding_speed is None:
+        raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
+    return density_of(model, FORCE, place / model.sliding_speed) / model.sliding_speed
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Track:
     """Rows ``first`` to before ``last`` of a quantity in a group of a stretch, evenly apart in distance or in time."""
@@ -178,11 +196,12 @@ class Track:
             words = quantity.column.replace("_", " ")
             raise Refused(f"the run has no {words} to draw; [strength] in its scenario would give it one")
         first, last = stretch.rows(group)
-        found = cls(stretch=stretch, quantity=quantity, group=group, first=first, last=last)
-        if last - first < 2:
-            ends = f"{stretch.start:g} to {stretch.stop:g} um"
-            raise Refused(f"the slider passes {ends} in less than the {found.step:.3g} s between two rows of /{group}")
-        return found
+        return cls(stretch=stretch, quantity=quantity, group=group, first=first, last=last)
+
+    def __post_init__(self) -> None:
+        if self.last - self.first < 2:
+            begin = f"{self.step * self.first:.4g} {'s' if self.timed else 'um'}"
+            raise Refused(f"{self.stretch.name}: fewer than two rows of /{self.group} are to be drawn from {begin} on")
 
     @property
     def model(self) -> Model:
@@ -229,12 +248,8 @@ class Track:
 
     def between(self, begin: float, end: float) -> Self:
         """Return the rows between two places or times, up to the end of the run; raises Refused for fewer than two."""
-        rows = self.stretch.file.rows(self.group)
-        first = min(round(begin / self.step), rows)
-        last = min(max(round(end / self.step) + 1, first + 2), rows)
-        if last - first < 2:
-            raise Refused(f"{self.stretch.name} is over before {begin:g} {'s' if self.timed else 'um'}")
-        return replace(self, first=first, last=last)
+        rows, first = self.stretch.file.rows(self.group), round(begin / self.step)
+        return replace(self, first=first, last=min(max(round(end / self.step) + 1, first + 2), rows))
 
     def curve(self) -> tuple[Doubles, Doubles]:
         """Return places or times and values as on the axes; of many rows only the extremes of each few."""
@@ -274,11 +289,16 @@ class Track:
 
         Raises Refused if theory has none.
         """
-        stem, model = self.quantity.stem, self.model
+        return self.quantity.scale**2 * exact_spectrum(self.model, self.quantity.stem, place, timed=self.timed)
+
+    def expected(self, ticks: int, last: int) -> Doubles:
+        """Return what theory expects of Welch's estimate of that density at bins 0 ... ``last`` of segments of ticks.
+
+        Raises Refused if theory has none.
+        """
         if not self.timed:
-            return spectral_density(model, place)
-        found = force_spectrum(model, place) if stem == FORCE else motion_spectrum(stem, model, place)
-        return self.quantity.scale**2 * found
+            return expected_periodogram(self.model, self.step, hann(ticks))[1]
+        return through_window(self.density, self.step, hann(ticks), last)
 
     def white(self, angular_frequency: Doubles) -> Doubles | None:
         """Return the density of white noise of the same level at low frequency (Kilburn); None if it is of no use."""

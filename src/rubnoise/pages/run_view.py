@@ -71,7 +71,7 @@ def held_by_a_page(stretch: Stretch) -> Stretch:
 def run_page(stretch: Stretch) -> str:
     """Return the text of the page of a run, with all rows of a stretch that a page can hold."""
     model, file = stretch.model, stretch.file
-    exact, curves = area_cumulants(model), exact_curves(file, model)
+    exact, curves = area_cumulants(model), exact_curves(stretch)
     groups = [name for name in CURVES if name in file.columns]
     title = str(file.attributes["title"]) or str(file.path)
     data = {
@@ -94,7 +94,7 @@ def run_page(stretch: Stretch) -> str:
         "junctions": _lives(stretch),
         "extremes": extremes(file, model),
         "exact": curves,
-        "whole": whole_run(file, curves, leaves=model.free is not None),
+        "whole": whole_run(stretch, curves),
         "groups": {name: _rows(stretch, name) for name in groups},
         "landmarks": _landmarks(stretch) if model.is_two_way else None,
         "flights": None if model.free is None else _flights(file, model),

@@ -1,21 +1,20 @@
 """The statistics of a run in its page: spectra, histograms and the phase plane, and the exact curves beside them."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from math import inf
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.spectra import hann, welch
+from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.figures.tracks import QUANTITIES as DRAWN
+from rubnoise.figures.tracks import Stretch, Track
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows, column_chunks
 from rubnoise.theory.moments import area_cumulants, distribution
-from rubnoise.theory.motion import motion_spectrum
-from rubnoise.theory.sampling import expected_periodogram, through_window
 from rubnoise.web_page import packed
 
 LIVES: Final = 8.0
@@ -29,41 +28,31 @@ _BARS: Final = 60  # of a histogram
 CELLS: Final = (96, 72)
 """Cells of the phase plane across and up."""
 
-QUANTITIES: Final = {
-    "area": ("trace", "real_contact_area", "real_contact_area"),
-    "velocity": ("slider", "velocity", "velocity"),
-    "normal": ("load", "velocity", "normal_velocity"),
-    "load": ("load", "load", "load"),
-}
-"""Group, column, and name in theory of each quantity that has statistics."""
+QUANTITIES: Final = {"area": "area", "velocity": "velocity", "normal": "normal-velocity", "load": "load"}
+"""What has statistics, by its name in a page, as it is called in pictures."""
 
 
-def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
-    """Return for area, velocities and load the ticks of a segment and the expectation of its spectrum.
+def exact_curves(stretch: Stretch) -> dict[str, Any]:
+    """Return for area, velocities and load of a run the ticks of a segment and the expectation of its spectrum.
 
     Densities are two-sided, in um^4 per rad/um, um^2/s^2 per rad/s and uN^2 per rad/s; one that theory does not know is
     None, as is the density of the area in 1/um^2. A motion that the run does not have is None.
     """
-    curves = {name: _curve(file, model, *QUANTITIES[name]) for name in QUANTITIES}
-    return {"density": None if model.free is not None else _known(lambda: _density(model)), **curves}
+    curves = {name: _curve(stretch.whole(), drawn) for name, drawn in QUANTITIES.items()}
+    return {"density": _known(lambda: _density(stretch.model)) if stretch.has_theory else None, **curves}
 
 
-def _curve(file: Rows, model: Model, group: str, _: str, quantity: str) -> dict[str, Any] | None:
+def _curve(whole: Stretch, name: str) -> dict[str, Any] | None:
     """Return the step in um or s, the ticks of a segment, and the expected spectrum, None if unknown."""
-    held = None if model.held is None else model.held.oscillator
-    step, length, swings = model.tick, LIVES * model.mean_life_distance, held if group == "load" else model.slider
-    if group != "trace":
-        if group not in file.columns or swings is None or model.tick_duration is None or file.rows(group) < 2:
-            return None
-        step, length = model.tick_duration, _PERIODS / swings.natural_frequency if swings.stiffness else inf
-    ticks = 1 << int(np.clip(np.rint(np.log2(max(length / step, 1.0))), *_TICKS))
-    expected = None
-    if model.free is None and group == "trace":
-        expected = _known(lambda: expected_periodogram(model, step, hann(ticks))[1])
-    elif model.free is None and not (group == "slider" and model.is_two_way):
-        exact = partial(motion_spectrum, quantity, model)
-        expected = _known(lambda: through_window(exact, step, hann(ticks), ticks // 2))
-    return {"step": step, "ticks": ticks, "expected": expected}
+    try:
+        track = Track.of(whole, name)
+    except Refused:
+        return None
+    length = (LIVES if track.swings is None else _PERIODS) / track.natural if track.natural else inf
+    ticks = 1 << int(np.clip(np.rint(np.log2(max(length / track.step, 1.0))), *_TICKS))
+    per_unit = track.quantity.scale**-2
+    expected = _known(lambda: per_unit * track.expected(ticks, ticks // 2)) if track.has_theory else None
+    return {"step": track.step, "ticks": ticks, "expected": expected}
 
 
 def _density(model: Model) -> Doubles:
@@ -80,25 +69,25 @@ def _known(curve: Callable[[], Doubles]) -> dict[str, str] | None:
         return None
 
 
-def whole_run(file: Rows, curves: Mapping[str, Any], *, leaves: bool) -> dict[str, Any]:
+def whole_run(stretch: Stretch, curves: Mapping[str, Any]) -> dict[str, Any]:
     """Return the statistics of each quantity that has a curve: two-sided spectrum, ``ends`` and ``counts`` of bars.
 
-    ``leaves`` says that the slider leaves the contact: zeros of area and load are then among ``rows``, and not drawn.
-    The phase plane has its ticks in each cell of displacement (across) and velocity (up), row by row from below.
+    Zeros of area and load of a slider that leaves the contact are among ``rows``, and not drawn. The phase plane has
+    its ticks in each cell of displacement (across) and velocity (up), row by row from below.
     """
+    file = stretch.file
     found: dict[str, Any] = {"phase": _phase(file) if "slider" in file.columns else None}
-    for name, (group, column, _) in QUANTITIES.items():
-        if (curve := curves[name]) is not None:
-            spectrum = welch(column_chunks(file, group, column), curve["ticks"], curve["step"])
-            values = file.column(group, column)
-            shown, ends = values[values > 0.0] if leaves and name != "normal" else values, _ends(values)
-            found[name] = {
-                "density": packed(spectrum.density),
-                "segments": spectrum.segments,
-                "ends": ends,
-                "counts": packed(np.histogram(shown, _BARS, ends)[0].astype(np.uint32)),
-                "rows": values.size,
-            }
+    for name, about in ((name, DRAWN[each]) for name, each in QUANTITIES.items() if curves[name] is not None):
+        spectrum = welch(column_chunks(file, about.group, about.column), curves[name]["ticks"], curves[name]["step"])
+        values = file.column(about.group, about.column)
+        shown, ends = values if stretch.has_theory or name == "normal" else values[values > 0.0], _ends(values)
+        found[name] = {
+            "density": packed(spectrum.density),
+            "segments": spectrum.segments,
+            "ends": ends,
+            "counts": packed(np.histogram(shown, _BARS, ends)[0].astype(np.uint32)),
+            "rows": values.size,
+        }
     return found
 
 
