@@ -11,7 +11,7 @@ from rubnoise.api.running import simulate
 from rubnoise.errors import Refused
 from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style
 from rubnoise.figures.tracks import Stretch
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.reader import Reader
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Point, expand, load_sweep
@@ -40,7 +40,7 @@ class Sources:
         """Run a scenario, and return its run from the start to a distance in um, or all of it."""
         return Stretch.of(simulate(self.scenario(name)).reader(), 0.0, stop)
 
-    def points(self, name: str) -> Iterator[tuple[Point, MemoryRecord]]:
+    def points(self, name: str) -> Iterator[tuple[Point, Reader]]:
         """Run a sweep, and yield its points with their runs."""
         points = expand(load_sweep(self._path(name)))
         for done, point in enumerate(points, 1):

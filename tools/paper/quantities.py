@@ -13,7 +13,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.distributions import Fixed
 from rubnoise.model import Model
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.reader import Reader
 from rubnoise.record.rows import ContactKind
 from rubnoise.theory.exact import exact
 from rubnoise.theory.moments import area_cumulants, force_cumulants
@@ -43,12 +43,12 @@ class Run:
     """One run in memory, with the spectra that bands ask it for."""
 
     model: Model
-    record: MemoryRecord
+    record: Reader
     spectra: dict[tuple[str, int], tuple[Doubles, Doubles]] = field(default_factory=dict)
 
     def __getitem__(self, column: str) -> Doubles:
         group, name, start = COLUMNS[column]
-        values: Doubles = self.record[group][name]
+        values: Doubles = self.record.column(group, name)
         return values[int(start * values.size) :]
 
     def spectrum(self, column: str, ticks: int) -> tuple[Doubles, Doubles]:
@@ -124,8 +124,8 @@ def _life_mean(run: Run) -> float:
 
 
 def _newborn(run: Run) -> Doubles:
-    rows = run.record["junctions"]
-    diameters: Doubles = rows["diameter"][rows["birth_distance"] >= 0.0]
+    diameter, birth = (run.record.column("junctions", name) for name in ("diameter", "birth_distance"))
+    diameters: Doubles = diameter[birth >= 0.0]
     return diameters
 
 
@@ -191,9 +191,9 @@ def _of_one_size(model: Model) -> float:
 
 def _impacts(run: Run) -> Doubles:
     """Return the speeds of the impacts after the start."""
-    marks = run.record["landmarks"]
-    late = marks["distance"] > int(LATE * run.model.tick_count) * run.model.tick
-    speeds: Doubles = marks["impact_speed"][(marks["kind"] == ContactKind.CONTACT_MADE) & late]
+    place, speed, kind = (run.record.column("landmarks", name) for name in ("distance", "impact_speed", "kind"))
+    late = place > int(LATE * run.model.tick_count) * run.model.tick
+    speeds: Doubles = speed[(kind == ContactKind.CONTACT_MADE) & late]
     return speeds
 
 

@@ -14,6 +14,7 @@ from rubnoise.api.running import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.figures.style import BLUE, CONFIDENCE, INK, SERIES, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
+from rubnoise.record.reader import Reader
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import spectral_density
@@ -28,7 +29,7 @@ def spreads_of(sources: Sources) -> list[list[Spot]]:
     for point, record in sources.points("fig7"):
         model = point.scenario.model()
         place = model.mean_real_contact_area, model.mean_junction_count
-        runs.setdefault(place, (model, []))[1].append(float(record["trace"]["real_contact_area"].var()))
+        runs.setdefault(place, (model, []))[1].append(float(record.column("trace", "real_contact_area").var()))
     spots = {
         place: (model, sqrt(sum(found) / len(found)), standard_errors(model)["std"] / sqrt(len(found)))
         for place, (model, found) in sorted(runs.items(), key=lambda each: each[0])
@@ -73,9 +74,9 @@ SIMULATED: Final[dict[str, Any]] = {"lw": 2.6, "solid_joinstyle": "round"}
 """A simulated spectrum is drawn broad, for the exact one lies on it."""
 
 
-def spectrum_of(model: Model, record: Any) -> Spectrum:
+def spectrum_of(model: Model, record: Reader) -> Spectrum:
     """Return Welch's estimate of the two-sided S(k) of A_r in a run, in um^4 per rad/um."""
-    return welch([record["trace"]["real_contact_area"]], 2 * round(0.5 * SEGMENT / model.tick), model.tick)
+    return welch([record.column("trace", "real_contact_area")], 2 * round(0.5 * SEGMENT / model.tick), model.tick)
 
 
 def merged_bins(spectrum: Spectrum) -> tuple[Doubles, Doubles]:
