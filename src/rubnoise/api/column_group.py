@@ -39,7 +39,6 @@ class Columns(dict[str, Column]):
 
     __eq__ = object.__eq__
     __hash__ = object.__hash__  # type: ignore[assignment]
-    values, items, get = Mapping.values, Mapping.items, Mapping.get  # type: ignore[assignment]  # a dict's own see none
 
     def __reduce__(self) -> tuple[Any, ...]:
         return dict.__new__, (type(self),), self.__dict__
@@ -98,6 +97,18 @@ class Columns(dict[str, Column]):
     def keys(self) -> Iterable[str]:  # type: ignore[override]
         """Return the names, so that ``dict(run.trace)`` is a dictionary of columns."""
         return self.names
+
+    def values(self) -> Iterable[Column]:  # type: ignore[override]
+        """Return the columns, each read when its turn comes."""
+        return (self[name] for name in self.names)
+
+    def items(self) -> Iterable[tuple[str, Column]]:  # type: ignore[override]
+        """Return names and columns."""
+        return ((name, self[name]) for name in self.names)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a column, or the default if there is none of that name."""
+        return self[name] if name in self else default  # noqa: SIM401  (get is what is defined here)
 
     @property
     def units(self) -> dict[str, str]:
