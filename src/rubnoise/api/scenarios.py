@@ -53,6 +53,11 @@ def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     """Read a file with a table `[sweep]`, or one that comes with rubnoise by its name, such as "paper/fig9".
 
     Raises ScenarioRefused with every problem of every point, each with its line, and for a file that is no sweep.
+
+    >>> import rubnoise
+    >>> sweep = rubnoise.load_sweep("paper/fig9")
+    >>> sweep.keys, len(rubnoise.expand(sweep))
+    (('interface.mean_junction_count',), 5)
     """
     return load_sweep_file(named(_path(source)), in_full(_listed(overrides)), sizes_of)
 
@@ -65,7 +70,12 @@ def _path(source: Any) -> str | os.PathLike[str]:
 
 
 def example(name: str) -> Scenario:
-    """Return a scenario of rubnoise's own, such as "paper/fig5"; raises Refused, with near names, for another."""
+    """Return a scenario of rubnoise's own, such as "paper/fig5"; raises Refused, with near names, for another.
+
+    >>> import rubnoise
+    >>> rubnoise.example("paper/fig5").title
+    'Figure 5: excitation force and vibration'
+    """
     from rubnoise.scenario.shipped import shipped
 
     return load_file(shipped(os.fspath(_path(name))))
