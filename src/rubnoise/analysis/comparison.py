@@ -5,7 +5,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from math import inf
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -93,8 +93,8 @@ def spectrum(seen: MeasuredRun) -> Iterator[Row]:
     for band in band_powers(model, found, expected, length, BANDS):
         name = f"spectrum_{band.lowest:.3g}_to_{band.highest:.3g}"
         tail = _band_tail(model, band, tails[6 if band.lowest * model.calibrated_diameter < np.pi else 2], length)
-        seen_and_expected = band.observed, band.expected, band.standard_error
-        yield findings.judged(name, *seen_and_expected, length=length, tail=tail, unit="um^4")
+        values = band.observed, band.expected, band.standard_error
+        yield findings.judged(name, *values, length=length, tail=tail, unit="um^4")
 
 
 def _band_tail(model: Model, band: Band, of_sizes: findings.Tail, length: float) -> findings.Tail:
@@ -170,8 +170,9 @@ def mean_force(seen: MeasuredRun) -> Iterator[Row]:
     share = found.distance / (found.speed * found.time)
     expected = force_cumulants(model).mean * share + found.expected_excess()
     error, tail = mean_force_error(model, model.distance) * share, findings.tail_of(model, model.distance, 3, 1)
-    how: Mapping[str, Any] = {"length": model.distance, "skewness": 0.0, "tail": tail, "unit": "uN"}
-    yield findings.judged("mean_force", found.mean_force, expected, error, **how)
+    yield findings.judged(
+        "mean_force", found.mean_force, expected, error, length=model.distance, skewness=0.0, tail=tail, unit="uN"
+    )
 
 
 def motion(seen: MeasuredRun) -> Iterator[Row]:

@@ -85,7 +85,7 @@ class Life:
         distance = self.death_distance if age == life else birth + age
         beside = self.others.alive(distance, just_before=age == life)
         area, areas = float(self.area_at_age(age)), beside.area(distance)
-        whole, time, force, friction = area + float(areas.sum()), self.time(distance), None, None
+        total, time, force, friction = area + float(areas.sum()), self.time(distance), None, None
         if self.shear_strength is not None and beside.strength is not None:
             force = self.shear_strength * area
             friction = force + float((beside.strength * areas).sum())
@@ -94,8 +94,9 @@ class Life:
             distance=distance,
             time=None if time is None else float(time),
             area=area,
-            real_contact_area=whole,
-            area_share=area / whole if whole else 0.0,  # born where the record ends: no area yet, perhaps of nobody
+            real_contact_area=total,
+            # A junction that is born where the record ends has no area yet, and may be the only one.
+            area_share=area / total if total else 0.0,
             force=force,
             friction_force=friction,
             force_share=None if force is None or friction is None else force / friction if friction else 0.0,

@@ -27,6 +27,7 @@ from rubnoise.record.moments import WATCHED, Moments, Slips
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import JunctionState, LandmarkKind
 from rubnoise.record.sink import Columns
+from rubnoise.storage.schema import GROUPS
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sizes import longest_life
 
@@ -286,15 +287,8 @@ class MeasuredRun(Measured):
                 self.stretches.setdefault(name, Stretches(length)).add(first_row, columns[name])
 
 
-UNITS: Final = {
-    "birth_gap": "um",
-    "diameter": "um",
-    "shear_strength": "MPa",
-    "base_displacement": "um",
-    "friction_force": "uN",
-    "load": "uN",
-}
-"""Units of the columns that `relations` knows."""
+UNITS: Final = {column.name: column.units for group in GROUPS for column in group.columns} | {"birth_gap": "um"}
+"""Units of the relations by name: those of the columns, and of the gaps between births."""
 
 
 def relations(model: Model, group: str, columns: Columns) -> Iterator[tuple[str, Doubles, Doubles | float]]:

@@ -231,7 +231,7 @@ def _tables(found: InferenceResult) -> Iterator[Table]:
 
 
 _CALLED: Final = {"error": "worse_by_error", "pulse.shape": "shape", "pulse.offset": "offset"}
-"""Columns that are not called as the attributes that they hold."""
+"""Names of columns that differ from the names of the attributes in them."""
 
 
 def _columns(things: Sequence[Any], attributes: str) -> dict[str, list[Any]]:

@@ -115,7 +115,7 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
 
 
 def _file_name(text: str) -> Path:
-    """Return the path of a file; of one that ends in a slash a Path would drop it."""
+    """Return the path of a file; refuse a slash at the end, which a Path would drop."""
     if text.endswith(("/", os.sep)):
         raise typer.BadParameter(f"{text}: names a folder; name a file")
     return Path(text)
@@ -226,7 +226,7 @@ def _error_text(problem: Exception) -> str:
     if isinstance(problem, ScenarioRefused):
         return str(problem)  # which holds lines of a file
     if isinstance(problem, RubnoiseError):
-        of_a_name = isinstance(problem, RunFileRefused | OutputRefused)  # which has no line of its own
+        of_a_name = isinstance(problem, RunFileRefused | OutputRefused)  # names may hold line ends
         return in_shell(str(problem)).replace("\n", "\\n" if of_a_name else "\n")
     if isinstance(problem, OSError):
         return f"{problem.filename or 'output'}: {problem.strerror or problem}"

@@ -234,7 +234,7 @@ def outcomes(
 
 
 def _takes_all(executor: Any, work: Work, most: int, waiting: list[deque[Point]], sent: Sent) -> bool:
-    """Send points as long as lanes are free, the most costly ones alone; whether the executor takes them all."""
+    """Send points while lanes are free, those that cost many workers alone; return whether the executor took all."""
     while len(sent) < most:
         lost = next((lost for lost, points in enumerate(waiting) if points and (lost < TRIES - 1 or not sent)), None)
         if lost is None:

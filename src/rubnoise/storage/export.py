@@ -92,7 +92,7 @@ def _write_parquet(part: PartFile, file: RunFile, group: Group, between: Callabl
 
 
 def plan(file: RunFile, kind: Kind, group: str | None, output: Path | None) -> dict[Path, Sequence[Group]]:
-    """Return the files of an export, with its groups; raises Refused for no such group, or one file for several."""
+    """Return files and their groups; raises Refused for a missing group, and for one file for several groups."""
     there = {each.name: each for each in stored_groups(file.features) if each.name in TABLES}
     if group is not None and group not in there:
         raise Refused(f"{file.path}: the run has no {group}; it has {', '.join(there)}")

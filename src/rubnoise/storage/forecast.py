@@ -125,7 +125,7 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
 
 
 def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
-    """Raise OutputRefused if a disk has not room for a result, else as `check_memory`; the keys to change are named."""
+    """Raise OutputRefused, naming keys to change, if the disk has no room for a result; see also `check_memory`."""
     room, needed, advice = free_disk_bytes(path), budget.disk_bytes, budget.fewer_rows
     if needed > room:
         what = "the result" if needed == budget.result_bytes else "the result and the rows that wait beside it"
@@ -137,7 +137,7 @@ def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
 
 
 def check_memory(budget: Budget, *, kept_bytes: int = 0) -> None:
-    """Raise Refused, with the keys to change, if memory lacks for a run and ``kept_bytes`` of its result."""
+    """Raise Refused, naming keys to change, if memory is too small for a run and ``kept_bytes`` of its result."""
     room, more, working = free_memory_bytes(), budget.more_bytes + kept_bytes, budget.working_bytes
     if room is None or more <= room:
         return
@@ -150,7 +150,7 @@ def check_memory(budget: Budget, *, kept_bytes: int = 0) -> None:
 
 
 def check_sweep_space(runs: Sequence[Scenario], folder: Path, *, jobs: int, keep: str) -> None:
-    """Raise OutputRefused or Refused if runs of a sweep lack disk or memory; the folder need not be there yet."""
+    """Raise OutputRefused or Refused if disk or memory are too small for a sweep; its folder may still be missing."""
     alike = Counter(scenario.model() for scenario in runs)
     budgets = {model: expected(scenario) for model, scenario in {each.model(): each for each in runs}.items()}
     size = sum(alike[model] * each.result_bytes for model, each in budgets.items())

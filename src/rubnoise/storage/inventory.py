@@ -33,7 +33,7 @@ def expected_inventory(about: RunDescription) -> Inventory:
 
 
 def inventory_of(file: h5py.File) -> Inventory:
-    """Return all that a file holds, of links and types the names; raises RunFileRefused for more than ours have."""
+    """Return all that a file holds, only names of links and types; raises RunFileRefused for more than ours have."""
     found = Inventory()
     for path, owner in _objects("", file["/"]):
         found[path or "/", ""] = _in_words(owner)

@@ -33,7 +33,7 @@ DEFLATE_RATIO: Final = 1032  # the most that deflate can expand: more rows than 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ColumnPlace:
-    """Where the rows of a column lie in their file, their hash; the offset is 0 without rows, and for chunks."""
+    """Where the rows of a column lie in their file, and their hash; the offset is 0 without rows, and for chunks."""
 
     offset: int
     rows: int

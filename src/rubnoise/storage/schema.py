@@ -132,7 +132,7 @@ INSTEAD: Final[Mapping[tuple[str, Feature], Mapping[str, Any]]] = {
     },
     ("landmarks/kind", "two-way"): {"values": _values(LandmarkKind)},
 }
-"""What is otherwise with a feature, of groups and columns by their paths."""
+"""What differs with a feature, of groups and columns by their paths."""
 
 _CODES: Final[Mapping[str, Mapping[str, Codes]]] = {
     "state": {"flags": ((1, "alive_at_start"), (2, "alive_at_end"), (4, "ended_early"))},
