@@ -24,9 +24,7 @@ ReadSizes = Callable[[str, str | None], Sequence[float]]
 """What returns the diameters (um) of a file and of a column in it; it raises Refused, NoColumn for the column."""
 
 _TABLE = "diameter"
-_STANDS_IN: Sequence[float] = (
-    1.0,
-)  # for values that could not be read: what else is wrong with the scenario is still said
+_STANDS_IN: Sequence[float] = (1.0,)  # for values that cannot be read: what else is wrong is still said
 
 
 def hash_of(values: Sequence[float]) -> str:
