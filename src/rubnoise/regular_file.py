@@ -74,12 +74,6 @@ def is_hdf5(path: str | os.PathLike[str]) -> bool:
     return read_at_most(path, len(_HDF5)) == _HDF5
 
 
-def size_of(path: str | os.PathLike[str]) -> int:
-    """Return the size of a regular file in bytes; raises as `open_regular` does."""
-    with open_stream(path) as stream:
-        return os.fstat(stream.fileno()).st_size
-
-
 def is_folder(path: Path) -> bool:
     """Whether a path is a folder; False without permission to look, since opening it then gives the error."""
     return os.path.isdir(path)  # noqa: PTH112  (pathlib's raises)

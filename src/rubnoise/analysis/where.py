@@ -15,9 +15,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, did_you_mean
 from rubnoise.record.sink import Columns
-from rubnoise.scenario.fields import did_you_mean as nearest
 from rubnoise.scenario.text import Place, Problem
 from rubnoise.storage.schema import JUNCTIONS, Dataset
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
@@ -57,9 +56,7 @@ def advice(word: str, columns: Sequence[str], states: Iterable[str] = ()) -> str
     if any(column.name == word for column in JUNCTIONS.columns):
         return f"this run has {', '.join(columns)}"
     holding = [name for name in known if len(word) > 2 and word.lower() in name]
-    if holding:
-        return f"did you mean {' or '.join(holding)}?"
-    return nearest(word, tuple(known)) or f"one of {', '.join(known)}"
+    return did_you_mean(word, known, holding) or f"one of {', '.join(known)}"
 
 
 class Condition:

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from copy import deepcopy
 from dataclasses import replace
 from difflib import get_close_matches
@@ -24,7 +24,7 @@ from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
-from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.reader import RunFile, calculating, open_run
 from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
@@ -62,6 +62,8 @@ class Summary(list[Row]):
 
 _WORDS: Final = {"to_dataframe": "run.to_pandas()", "describe": "run.summary"}
 """What a run has for words of pandas."""
+
+_WRONG_VALUES: Final = "run.verify() says which values are wrong"
 
 
 class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
@@ -207,7 +209,7 @@ class Run:
 
         if bound is not None and not (isinstance(bound, Real) and 0.0 < float(bound) < inf):
             raise Refused(f"bound=: {shown(bound)} is no bound on |z|; it is a number above 0")
-        with _calculating(self._called):
+        with calculating(self._called, _WRONG_VALUES):
             return replace(compare(self.model(), self._reader, bound), title=f"{self._called}: compared with theory")
 
     def verify(self) -> "Verification":
@@ -217,7 +219,7 @@ class Run:
         """
         from rubnoise.runs.verification import verify
 
-        with self._file_of() as file, _calculating(self._called):
+        with self._file_of() as file, calculating(self._called, _WRONG_VALUES):
             return replace(verify(file), title=f"{self._called}: verified")
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
@@ -317,16 +319,6 @@ class Run:
     def to_pandas(self) -> "dict[str, pd.DataFrame]":
         """Read every group into a pandas DataFrame; see Columns.to_pandas, which reads one."""
         return {name: columns.to_pandas() for name, columns in self._groups.items()}
-
-
-@contextmanager
-def _calculating(source: str) -> Iterator[None]:
-    """Say of values that no run has which result holds them, and what says more."""
-    try:
-        yield
-    except (ArithmeticError, ValueError, IndexError) as problem:
-        reason = " ".join(str(problem).split())
-        raise RunFileRefused(f"{source}: {reason}; run.verify() says which values are wrong") from problem
 
 
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)

@@ -10,9 +10,9 @@ from typing import Any, Self
 import numpy as np
 
 from rubnoise.api import keywords
+from rubnoise.api.given_columns import with_unit
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.real_numbers import with_unit
 from rubnoise.storage.output import whole_file
 from rubnoise.storage.scan import Scan, Told, from_topography, length_scale, read_scan, write_scan
 from rubnoise.surface.height_map import FORMS, HeightMap, check_sense, without_form

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import rubnoise
 from rubnoise.api.scenarios import sizes_of
 from rubnoise.cli.options import NUMBER
-from rubnoise.errors import OutputRefused, Refused, RunFileRefused
+from rubnoise.errors import Refused, naming
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.layers import OptionOverride, override_value
@@ -93,18 +93,8 @@ def finished_run(path: Path) -> Iterator["RunFile"]:
 
     Raises RunFileRefused if open_run refuses it, or if its values cannot be used.
     """
-    from rubnoise.storage.reader import open_run
+    from rubnoise.storage.reader import calculating, open_run
 
-    with open_run(path) as file:
-        try:
-            yield file
-        except OutputRefused:
-            raise
-        except Refused as refused:
-            if str(refused).startswith((f"{path}: ", "--")):
-                raise
-            raise type(refused)(f"{path}: {refused}") from refused
-        except (ArithmeticError, ValueError, IndexError) as problem:
-            # Rows may hold anything: what no run has is nothing to calculate with.
-            reason = " ".join(str(problem).split())
-            raise RunFileRefused(f"{path}: {reason}; rubnoise verify says whether its values are sound") from problem
+    advice = "rubnoise verify says whether its values are sound"
+    with open_run(path) as file, naming(path), calculating(path, advice):
+        yield file
