@@ -28,7 +28,7 @@ from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
 from rubnoise.storage.measured import LARGEST_VALUE, Asked, Source
-from rubnoise.units import FREQUENCY, SPEED, STRESS
+from rubnoise.units import FREQUENCY, RATIO, SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
 STROKE_END: Final = "5 %"
@@ -102,8 +102,8 @@ def infer(
     source = _measured(trace, keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to))
     signal = _signal(source, velocity, unit, zero)
     if strokes not in (None, False):
-        end = keywords.share("strokes", STROKE_END if strokes is True else strokes, MOST_OF_AN_END)
-        signal = joined(signal, end, source.begin)
+        share = keywords.quantity("strokes", STROKE_END if strokes is True else strokes, RATIO, (0.0, MOST_OF_AN_END))
+        signal = joined(signal, share or 0.0, source.begin)
     no_force = f'the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
     no_strengths, in_time = "a trace of area has no strengths", "frequencies are of a trace over time"
     tells_it = "with a known zero and a known strength the trace tells the spread itself"
@@ -118,7 +118,7 @@ def infer(
         if value is not None and is_wrong:
             raise Refused(f"{keyword}=: {why}")
     assumed = Assumed(
-        strength_spread=0.0 if strength_spread is None else keywords.share("strength_spread", strength_spread, _WIDEST),
+        strength_spread=keywords.quantity("strength_spread", strength_spread, RATIO, (0.0, _WIDEST)) or 0.0,
         pulse=pulse_of(pulse or "lens", offset),
         shape_chosen=pulse is not None,
         bandwidth=inf if corner is None or velocity is None else corner / velocity,

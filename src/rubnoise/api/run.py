@@ -20,12 +20,12 @@ from rubnoise.api.column_group import SHORT, Columns, columns_by_group, homes_of
 from rubnoise.api.columns import with_units
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import refuse_unknown, shown
+from rubnoise.api.notebook import Overview, Shown
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
 from rubnoise.storage.reader import RunFile, calculating, open_run
-from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -74,7 +74,7 @@ class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
         return Exception.__str__(self)
 
 
-class Run:
+class Run(Shown):
     """A run: an open result file, which is a context manager, or a `Record` in memory.
 
     Opening reads its structure, asking for rows reads those rows. The groups of columns are attributes: ``junctions``
@@ -292,20 +292,13 @@ class Run:
         """The name of the run in messages."""
         return str(self.path)
 
-    def _shown(self) -> tuple[str, list[tuple[str, str, str]]]:
-        """Return a heading; and name, number of rows and columns of each group, as texts, but not of a closed file."""
+    def _overview(self) -> Overview:
+        """Return name, number of rows and columns of each group, but not of a closed file."""
         if isinstance(self._reader, RunFile) and self._reader.closed:
-            return f"{self._called}: a run, closed", []
-        rows = [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in self._groups.items()]
-        return f"{self._called}: {self.attributes['title']}".removesuffix(": "), rows
-
-    def __repr__(self) -> str:
-        heading, groups = self._shown()
-        return shortened([heading, *(f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in groups)])
-
-    def _repr_html_(self) -> str:
-        heading, groups = self._shown()
-        return as_html(heading, ("group", "rows", "columns") if groups else (), groups)
+            return f"{self._called}: a run, closed", (), (), ()
+        rows = [(f".{name}", f"{len(group):,} rows", ", ".join(group)) for name, group in self._groups.items()]
+        heading = f"{self._called}: {self.attributes['title']}".removesuffix(": ")
+        return heading, ("group", "", "columns"), rows, ()
 
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
         """Return the result as an xarray DataTree, ``run.to_xarray()["trace"]``; groups are as of Columns.to_xarray."""

@@ -5,23 +5,19 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import rubnoise
-from rubnoise.api.scenarios import sizes_of
+from rubnoise.api.scenarios import Loaded, read_by
 from rubnoise.cli.options import NUMBER
 from rubnoise.errors import Refused, naming
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.layers import OptionOverride, override_value
 from rubnoise.scenario.reading import in_full
-from rubnoise.scenario.shipped import named
-from rubnoise.scenario.sweep import Sweep
 
 if TYPE_CHECKING:
     from rubnoise.storage.reader import RunFile
-
-Loaded = TypeVar("Loaded", bound=Scenario | Sweep)
 
 
 def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine: str | None = None) -> tuple[str, ...]:
@@ -60,10 +56,7 @@ def loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str] = (),
 
     ``read`` says which: `load`, `load_sweep`, or `load_either`.
     """
-    file = named(file)
-    if is_result(file):
-        raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
-    found = read(file, in_full(changes), sizes_of)
+    found = read_by(read, file, changes)
     if not quiet:
         for warning in found.warnings:
             print(warning, file=sys.stderr)
