@@ -166,9 +166,7 @@ def naming(name: object) -> Iterator[None]:
     """Put a name in front of the message of a refusal, unless it names that, an option or an output of its own."""
     try:
         yield
-    except OutputRefused:
-        raise
     except Refused as refused:
-        if str(refused).startswith((f"{name}:", "--")):
+        if isinstance(refused, OutputRefused) or str(refused).startswith((f"{name}:", "--")):
             raise
         raise type(refused)(f"{name}: {refused}") from refused

@@ -70,8 +70,10 @@ _HDF5: Final = b"\x89HDF"
 
 
 def is_hdf5(path: str | os.PathLike[str]) -> bool:
-    """Whether a regular file begins as HDF5 does; raises as `open_regular` does."""
-    return read_at_most(path, len(_HDF5)) == _HDF5
+    """Whether a regular file begins as HDF5 does; False for what cannot be opened, of which reading it says why."""
+    with suppress(OSError):
+        return read_at_most(path, len(_HDF5)) == _HDF5
+    return False
 
 
 def is_folder(path: Path) -> bool:

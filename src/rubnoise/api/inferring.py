@@ -16,7 +16,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import pulse_of
-from rubnoise.errors import Refused, RunFileRefused, refusing_files
+from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.inference.estimates import Assumed, Estimate
 from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, InferenceResult, infer_signal
@@ -97,8 +97,6 @@ def infer(
     left_out, corner = keywords.frequencies("mask", mask), keywords.quantity("bandwidth", bandwidth, FREQUENCY)
     if keywords.choice("poles", poles, (1, 2)) != 1 and corner is None:
         raise Refused('poles=: the poles of a filter need its corner, as in bandwidth="200 Hz"')
-    if unit is not None:
-        keywords.scale_of(unit, "unit=")
     source = _measured(trace, keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to))
     signal = _signal(source, velocity, unit, zero)
     if strokes not in (None, False):
@@ -135,10 +133,7 @@ def infer(
 
 def _measured(trace: Any, asked: Asked) -> Source:
     """Return the wanted column of what is given; of a run the force by default, or else the area."""
-    run = trace
-    if isinstance(trace, str | os.PathLike):
-        with refusing_files(trace):
-            run = _own_result(trace)
+    run = _own_result(trace) if isinstance(trace, str | os.PathLike) else trace
     if not isinstance(run, Run):
         return sampled(trace, asked)
     name = "trace" if run is trace else os.fspath(trace)
@@ -152,7 +147,7 @@ def _measured(trace: Any, asked: Asked) -> Source:
 def _own_result(trace: str | os.PathLike[str]) -> Run | None:
     """Open a result of ours; None for any other file."""
     path = os.fspath(trace)
-    if not os.path.exists(path) or not is_hdf5(path):  # noqa: PTH110  (a path with a colon may be no path)
+    if not is_hdf5(path):
         return None
     try:
         return open_result(path)

@@ -11,7 +11,7 @@ from rubnoise.analysis.sound import Heard
 from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
 from rubnoise.api.trace import Trace
-from rubnoise.errors import Refused, advised, did_you_mean, naming, refusing_files
+from rubnoise.errors import Refused, advised, did_you_mean, naming
 from rubnoise.figures import Kind, style
 from rubnoise.figures.catalogue import AS_IT_IS, HEARD, OVERLAID, PICTURES, Appearance, drawing
 from rubnoise.figures.style import NARROW, STYLES
@@ -97,11 +97,10 @@ def drawn(
 
 def _measurement(path: Any, *, whole: bool) -> Trace:
     """Read a trace to draw beside a spectrum; raises Refused for a result if the picture needs the ``whole`` run."""
-    with refusing_files(path):
-        if isinstance(path, str | os.PathLike) and is_hdf5(path):
-            opened = f'rubnoise.open("{os.fspath(path)}")'
-            right = opened if whole else f"rubnoise.Trace({opened})"
-            raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")
+    if isinstance(path, str | os.PathLike) and is_hdf5(path):
+        opened = f'rubnoise.open("{os.fspath(path)}")'
+        right = opened if whole else f"rubnoise.Trace({opened})"
+        raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")
     return Trace(path)
 
 

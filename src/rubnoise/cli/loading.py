@@ -3,7 +3,7 @@
 import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -65,19 +65,12 @@ def loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str] = (),
 
 def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
     """Load a scenario, or take that of a result; raises Refused for changes to the scenario of a result."""
-    if not is_result(file):
+    if not is_hdf5(file):
         return loaded(load, file, changes, quiet=quiet)
     if changes:
         raise Refused(f"{file}: is a result, whose scenario --set can't change any more")
     with rubnoise.open(file) as run:
         return run.scenario
-
-
-def is_result(file: Path) -> bool:
-    """Whether a file begins as HDF5 does; reading it reports any other problem."""
-    with suppress(OSError):
-        return is_hdf5(file)
-    return False
 
 
 @contextmanager
