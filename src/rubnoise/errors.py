@@ -167,6 +167,6 @@ def naming(name: object) -> Iterator[None]:
     try:
         yield
     except Refused as refused:
-        if isinstance(refused, OutputRefused) or str(refused).startswith((f"{name}:", "--")):
+        if isinstance(refused, OutputRefused) or re.match(rf"{re.escape(f'{name}:')}|--|[a-z_]+=:", str(refused)):
             raise
         raise type(refused)(f"{name}: {refused}") from refused

@@ -63,8 +63,6 @@ class Summary(list[Row]):
 _WORDS: Final = {"to_dataframe": "run.to_pandas()", "describe": "run.summary"}
 """What a run has for words of pandas."""
 
-_WRONG_VALUES: Final = "run.verify() says which values are wrong"
-
 
 class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
     """A run does not have a group of columns."""
@@ -209,7 +207,7 @@ class Run(Shown):
 
         if bound is not None and not (isinstance(bound, Real) and 0.0 < float(bound) < inf):
             raise Refused(f"bound=: {shown(bound)} is no bound on |z|; it is a number above 0")
-        with calculating(self._called, _WRONG_VALUES):
+        with calculating(self._called):
             return replace(compare(self.model(), self._reader, bound), title=f"{self._called}: compared with theory")
 
     def verify(self) -> "Verification":
@@ -219,7 +217,7 @@ class Run(Shown):
         """
         from rubnoise.runs.verification import verify
 
-        with self._file_of() as file, calculating(self._called, _WRONG_VALUES):
+        with self._file_of() as file, calculating(self._called):
             return replace(verify(file), title=f"{self._called}: verified")
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":

@@ -81,6 +81,5 @@ def finished_run(path: Path) -> Iterator["RunFile"]:
     """
     from rubnoise.storage.reader import calculating, open_run
 
-    advice = "rubnoise verify says whether its values are sound"
-    with open_run(path) as file, naming(path), calculating(path, advice):
+    with open_run(path) as file, naming(path), calculating(path):
         yield file

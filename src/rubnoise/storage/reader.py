@@ -202,13 +202,13 @@ def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
 
 
 @contextmanager
-def calculating(source: object, advice: str) -> Iterator[None]:
-    """Say of values that no run has which result holds them, since its rows may hold anything, and what says more."""
+def calculating(source: object) -> Iterator[None]:
+    """Say of values that no run has which result holds them, since its rows may hold anything."""
     try:
         yield
     except (ArithmeticError, ValueError, IndexError) as problem:
         reason = " ".join(str(problem).split())
-        raise RunFileRefused(f"{source}: {reason}; {advice}") from problem
+        raise RunFileRefused(f"{source}: {reason}; verify says which values are wrong") from problem
 
 
 def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
