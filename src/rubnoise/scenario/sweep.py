@@ -295,8 +295,7 @@ class Sweep:
     keep: Keep = "runs"
     precision: Sweeping | None = None
 
-    def __repr__(self) -> str:
-        return fields_as_text(self)
+    __repr__ = fields_as_text
 
 
 def expand(sweep: Sweep) -> tuple[Point, ...]:
