@@ -62,13 +62,13 @@ def advice(word: str, columns: Sequence[str], states: Iterable[str] = ()) -> str
 class Condition:
     """A condition that a text writes about rows with some columns: ``chosen`` chooses rows, and needs ``columns``.
 
-    Raises ConditionRefused, with the text and a caret below the wrong part, if it is not valid.
+    Raises ConditionRefused, with how it was ``said``, the text and a caret below the wrong part, if it is not valid.
     """
 
-    def __init__(self, text: str, columns: Sequence[Dataset] = JUNCTIONS.columns) -> None:
+    def __init__(self, text: str, columns: Sequence[Dataset] = JUNCTIONS.columns, said: str = "--where") -> None:
         if len(text) > LONGEST:
-            raise ConditionRefused(f"--where: error: a condition of more than {LONGEST} characters")
-        self._text = text.strip()
+            raise ConditionRefused(f"{said}: error: a condition of more than {LONGEST} characters")
+        self._text, self._said = text.strip(), said
         self._known = {column.name: column for column in columns}
         self._states = STATES if any(column.name == "state" and column.flags for column in columns) else {}
         self._numbers = {found.start(): found for found in _QUANTITY.finditer(self._text)}
@@ -172,7 +172,7 @@ class Condition:
     def _refused(self, span: tuple[int, int], message: str, hint: str = "") -> ConditionRefused:
         """Return the error that shows the condition with carets below the wrong part."""
         start, end = span
-        place = Place(source="--where", line=0, text=self._text, start=start, end=max(end, start + 1))
+        place = Place(source=self._said, line=0, text=self._text, start=start, end=max(end, start + 1))
         return ConditionRefused(str(Problem(path=(), message=message, place=place, hint=hint)))
 
 

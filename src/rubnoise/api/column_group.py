@@ -137,14 +137,11 @@ class Columns(Shown, dict[str, Column]):
         ...     len(large) < len(run.junctions), bool(large["diameter"].min() > 6.0)
         (True, True)
         """
-        from rubnoise.analysis.where import Condition, ConditionRefused
+        from rubnoise.analysis.where import Condition
 
         if not isinstance(condition, str):
             raise Refused(f'where: {shown(condition)}: is no text; right form: where("diameter > 6 um")')
-        try:
-            node = Condition(condition, list(self._columns.values()))
-        except ConditionRefused as refused:
-            raise ConditionRefused(str(refused).replace("--where", "where", 1)) from None
+        node = Condition(condition, list(self._columns.values()), "where")
         rows = [np.zeros(0, dtype=np.int64)]
         for part in slices(0, len(self)):
             right = node.chosen({name: self._read(name, part.start, part.stop) for name in node.columns})

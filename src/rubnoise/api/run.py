@@ -255,7 +255,7 @@ class Run(Shown):
         "phase" and spectra in Hz, or for "psd" a `Trace` or its file. With ``ax`` it takes the place of these axes, and
         the whole figure is returned. ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of a journal;
         ``title`` is whether axes have titles; ``style`` is "screen", "paper" (small letters and thin lines, the default
-        below 120 mm) or "slides". Raises Refused for a picture that the run does not have, PicturesMissing without
+        below 120 mm) or "slides". Raises Refused for a picture that the run does not have, ExtraMissing without
         matplotlib.
 
         >>> import rubnoise

@@ -197,7 +197,7 @@ class SweepResult(Shown):
 
         Without a name it is "displacement_std", or "real_contact_area_std" for a sweep without a slider. ``size``,
         ``title`` and ``style`` are as in `Run.plot`. Raises Refused for a quantity that the sweep does not have,
-        PicturesMissing without matplotlib.
+        ExtraMissing without matplotlib.
         """
         from rubnoise.api.pictures import appearance
         from rubnoise.figures.catalogue import sweep_drawing
