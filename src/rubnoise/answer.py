@@ -6,7 +6,6 @@ tables (curves), and it is true unless a row fails. One renderer each makes text
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import groupby
 from math import isfinite
 from textwrap import fill
@@ -172,8 +171,7 @@ class Answer:
         found = "passed" if self else f"not passed: {', '.join(self.failing)}"
         yield sentence(f"{found} ({self.judged})" if not self else f"{found}: {self.judged}", width, "")
 
-    def __repr__(self) -> str:
-        return self.to_text()
+    __repr__ = to_text
 
     def _repr_html_(self) -> str:
         cells = [[_cell(name, getattr(row, name)) for name in HEADS] for row in self.rows]
@@ -283,13 +281,12 @@ def _cell(name: str, value: Any) -> str:
     return text if len(text) < BESIDE[name][0] else f"{value:+.0e}"
 
 
-_between_words: Final = partial(fill, break_long_words=False, break_on_hyphens=False)
-
-
 def sentence(text: str, width: int, indent: str, others: str | None = None) -> str:
     """Return a sentence broken between words, with an indent, and a deeper one of all lines but the first."""
-    others = f"{indent}  " if others is None else others
-    return _between_words(printable(text), width, initial_indent=indent, subsequent_indent=others)
+    others, text = f"{indent}  " if others is None else others, printable(text)
+    return fill(
+        text, width, initial_indent=indent, subsequent_indent=others, break_long_words=False, break_on_hyphens=False
+    )
 
 
 def _csv(*cells: Any) -> str:

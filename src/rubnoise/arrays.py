@@ -20,8 +20,3 @@ def slices(start: int, stop: int, size: int | None = None) -> Iterator[slice]:
     size = size or CHUNK_ROWS
     for first in range(start, stop, size):
         yield slice(first, min(first + size, stop))
-
-
-def chunk_of_steps(step: int) -> int:
-    """Return the number of rows of a chunk that holds a whole number of steps, at least one."""
-    return step * max(1, CHUNK_ROWS // step)

@@ -2,10 +2,11 @@
 
 import os
 import re
-from collections.abc import Iterator
+import shlex
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
-from shlex import quote
 from typing import Final
 
 
@@ -112,6 +113,17 @@ def _option(found: re.Match[str]) -> str:
     return option if number in ("", "True") else f"{option} {number}"
 
 
+def did_you_mean(word: str, known: Iterable[str], meant: Sequence[str] = (), *, most: int = 1, quote: str = "") -> str:
+    """Return advice on an unknown word: what is ``meant`` by it, or the nearest known words; empty without any."""
+    near = meant or get_close_matches(word[:40].lower(), list(known), most)
+    return f"did you mean {' or '.join(f'{quote}{each}{quote}' for each in near)}?" if near else ""
+
+
+def advised(message: str, advice: str) -> str:
+    """Return a message with advice, if there is some."""
+    return f"{message}; {advice}" if advice else message
+
+
 EXTRAS_OF_SYNC: Final = ("analysis", "plot")  # what `tools/dev.py sync` installs; `sync all` installs the others too
 
 
@@ -119,7 +131,7 @@ def how_to_install(extra: str) -> str:
     """Return the command that installs an extra here: the project's tool in a checkout, otherwise pip."""
     tool = Path(__file__).parents[2] / "tools" / "dev.py"
     if tool.is_file():
-        shown = quote(os.path.relpath(tool))
+        shown = shlex.quote(os.path.relpath(tool))
         return f"python3 {shown} sync" + ("" if extra in EXTRAS_OF_SYNC else " all")
     return f'python -m pip install "rubnoise[{extra}]"'
 
@@ -134,11 +146,27 @@ def needing(extra: str, purpose: str) -> Iterator[None]:
         raise ExtraMissing(f"{purpose} needs {library}: {how_to_install(extra)}") from problem
 
 
+def reason_of(problem: Exception) -> str:
+    """Return why the system did not do it, in its own words if it has any."""
+    reason = getattr(problem, "strerror", None) or str(problem)
+    return f"{reason[:1].lower()}{reason[1:]}"
+
+
 @contextmanager
-def refusing_files(path: object) -> Iterator[None]:
-    """Turn an OSError about a file into a refusal that names the file."""
+def refusing_files(path: object, kind: type[RubnoiseError] = Refused, words: str = "") -> Iterator[None]:
+    """Turn an OSError about a file into an error of a kind that names the file; ``words`` stand before the reason."""
     try:
         yield
     except OSError as problem:
-        reason = problem.strerror or str(problem)
-        raise Refused(f"{path}: {reason[:1].lower()}{reason[1:]}") from problem
+        raise kind(f"{path}: {words}{reason_of(problem)}") from problem
+
+
+@contextmanager
+def naming(name: object) -> Iterator[None]:
+    """Put a name in front of the message of a refusal, unless it names that, an option or an output of its own."""
+    try:
+        yield
+    except Refused as refused:
+        if isinstance(refused, OutputRefused) or re.match(rf"{re.escape(f'{name}:')}|--|[a-z_]+=:", str(refused)):
+            raise
+        raise type(refused)(f"{name}: {refused}") from refused

@@ -9,7 +9,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.units import BESIDE, NONE, Kind, QuantityError, in_unit, is_of_pint, parse_unit, quantity_of, unit_name
+from rubnoise.units import BESIDE, NONE, Kind, QuantityError, in_unit, is_of_pint, parse_unit, quantity_of
 
 
 def real_numbers(values: Any, what: str, unit: str | None = None) -> Doubles:
@@ -34,36 +34,20 @@ def real_numbers(values: Any, what: str, unit: str | None = None) -> Doubles:
     return found.astype(np.float64)
 
 
-def real_number(value: Any, what: str, unit: str | None = None) -> float:
-    """Return one number as `real_numbers` does; raises Refused for several."""
-    found = real_numbers(value, what, unit)
-    if found.ndim:
-        raise Refused(f"{what}: has the shape {found.shape}; one number is needed")
-    return float(found)
+def number_in(value: Any, what: str, kind: Kind, *, positive: bool = False) -> float:
+    """Return a finite number, or a text or quantity of pint in the working unit of its kind.
 
-
-def number_in(value: Any, what: str, kind: Kind) -> float:
-    """Return a finite number, or a text or quantity of pint in the working unit of its kind; raises Refused else."""
-    if not isinstance(value, bool) and isinstance(value, Real) and isfinite(value):
-        return float(value)
+    Raises Refused for anything else, and unless it is above 0 if it has to be ``positive``.
+    """
     try:
-        return float(quantity_of(value, kind))
+        is_number = not isinstance(value, bool) and isinstance(value, Real) and isfinite(value)
+        number = float(value if is_number else quantity_of(value, kind))
     except QuantityError as problem:
         hint = problem.hint or f'right form: "{kind.example}"'
         raise Refused(f"{what}: {value!s:.40}: {problem}; {hint}") from problem
-
-
-def with_unit(values: Any, what: str, unit: Any) -> tuple[Doubles, str]:
-    """Return values as doubles, and their unit; quantities of pint are converted to ``unit``, or have their own.
-
-    ``unit`` is a text, empty if none is known, or a unit of pint. Raises Refused as `real_numbers` does.
-    """
-    unit = unit_name(unit)
-    first = values[0] if isinstance(values, list | tuple) and values else values
-    if not is_of_pint(first):
-        return real_numbers(values, what), unit
-    own = unit or unit_name(first.units)
-    return real_numbers(values, what, own), own
+    if positive and not number > 0.0:
+        raise Refused(f"{what}: {value!s:.40}: must be above 0")
+    return number
 
 
 def at_each(

@@ -70,14 +70,10 @@ _HDF5: Final = b"\x89HDF"
 
 
 def is_hdf5(path: str | os.PathLike[str]) -> bool:
-    """Whether a regular file begins as HDF5 does; raises as `open_regular` does."""
-    return read_at_most(path, len(_HDF5)) == _HDF5
-
-
-def size_of(path: str | os.PathLike[str]) -> int:
-    """Return the size of a regular file in bytes; raises as `open_regular` does."""
-    with open_stream(path) as stream:
-        return os.fstat(stream.fileno()).st_size
+    """Whether a regular file begins as HDF5 does; False for what cannot be opened, of which reading it says why."""
+    with suppress(OSError):
+        return read_at_most(path, len(_HDF5)) == _HDF5
+    return False
 
 
 def is_folder(path: Path) -> bool:

@@ -36,11 +36,6 @@ class Stream(IntEnum):
     SURFACE = 64
 
 
-def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:
-    """Return numpy's generator at the beginning of one block of a stream, for what has no bits to promise."""
-    return np.random.Generator(_source(seed, stream, block))
-
-
 def uniforms(seed: int, stream: Stream, block: int, count: int) -> NDArray[np.float64]:
     """Return ``count`` numbers uniform on (0, 1), odd multiples of 2^-53, from the begin of a block of a stream.
 
@@ -48,10 +43,11 @@ def uniforms(seed: int, stream: Stream, block: int, count: int) -> NDArray[np.fl
     third word of its counter: any block's numbers are reached without drawing those before it. The upper 52 bits of
     each of its numbers are used, in integer arithmetic: equal bits everywhere.
     """
-    upper = _source(seed, stream, block).random_raw(count) >> np.uint64(12)
+    upper = philox(seed, stream, block).random_raw(count) >> np.uint64(12)
     return (2.0 * upper.astype(np.float64) + 1.0) * 2.0**-53
 
 
-def _source(seed: int, stream: Stream, block: int) -> np.random.Philox:
+def philox(seed: int, stream: Stream, block: int = 0) -> np.random.Philox:
+    """Return the source of bits of a stream, at the beginning of a block."""
     key = np.array([seed, int(stream)], dtype=np.uint64)
     return np.random.Philox(key=key, counter=np.array([0, 0, block, 0], dtype=np.uint64))

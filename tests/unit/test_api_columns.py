@@ -147,7 +147,7 @@ def test_groups_show_names_units_and_meaning(tmp_path: Path) -> None:
     write_run(tmp_path / "x.h5", description, random_rows(description))
     with rubnoise.open(tmp_path / "x.h5") as run:
         assert "/trace: the contact at every tick of sliding distance, 11 rows" in repr(run.trace)
-        assert "  real_contact_area  um^2   real contact area" in repr(run.trace)
+        assert "  real_contact_area  um^2  real contact area" in repr(run.trace)
         assert repr(run).startswith(f"{tmp_path / 'x.h5'}: a small run of µm\n  .junctions ")
         assert (next(iter(run.trace)), len(run.trace), "nonsense" in run.trace) == ("distance", 11, False)
         assert set(dict(run.trace)) == set(run.trace.names)

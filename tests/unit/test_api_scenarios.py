@@ -184,7 +184,7 @@ def test_a_decimal_comma_beside_semicolons_and_units_of_others() -> None:
     trace = rubnoise.Trace.from_arrays({"time (s)": [0.0, 1.0, 2.0], "sensor (V)": [1, 2, 3], "force (mN)": [1, 2, 3]})
     assert dict(trace.units) == {"time": "s", "sensor": "V", "force": "uN"}
     assert trace["force"].tolist() == [1000.0, 2000.0, 3000.0]
-    assert repr(trace.where("force > 1.5 mN")).startswith("<python>: 2 rows\n  time    s      1 to 2\n")
+    assert repr(trace.where("force > 1.5 mN")).startswith("<python>: 2 rows\n  time    s   1 to 2\n")
     assert trace.force.units == pickle.loads(pickle.dumps(trace)).force.units == "uN"  # noqa: S301  (made here)
 
 

@@ -39,7 +39,7 @@ def test_a_run_that_cannot_fit_is_refused_before_its_first_row(tmp_path: Path, s
     (tmp_path / "run.h5").write_bytes(b"older")
     with (
         files_at_most(size),
-        pytest.raises(OutputRefused, match="File too large"),
+        pytest.raises(OutputRefused, match="file too large"),
         RunWriter(tmp_path / "run.h5", describe(100_000, 100_000), force=True),
     ):
         raise AssertionError

@@ -67,5 +67,5 @@ def test_a_system_that_writes_nothing_is_not_asked_for_ever(tmp_path: Path, monk
     monkeypatch.setattr(os, "pwrite", lambda *_: 0)
     with (tmp_path / "file").open("w+b") as file, pytest.raises(OSError, match=os.strerror(errno.EIO)):
         write_all(file.fileno(), memoryview(b"x"), 0)
-    with pytest.raises(RubnoiseError, match="cannot be written: Input/output error"):
+    with pytest.raises(RubnoiseError, match="cannot be written: input/output error"):
         attempt(tmp_path / "x.h5")

@@ -178,7 +178,7 @@ def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
     os.link(tmp_path / "run.h5.part", tmp_path / "kept")
     waited = []
 
-    def lock(descriptor: int) -> None:
+    def lock(descriptor: int, _final: Path) -> None:
         if not waited:
             waited.append(descriptor)
             (tmp_path / "run.h5.part").rename(tmp_path / "run.h5")
@@ -240,7 +240,7 @@ def test_only_a_full_disk_or_quota_means_no_room(
     (tmp_path / "run.h5").write_bytes(b"older")
     monkeypatch.setattr(os, "posix_fallocate", failing(number))
     no_room = number != errno.EIO
-    with pytest.raises(OutputRefused, match="no room for the .* bytes" if no_room else "cannot be written: Input"):
+    with pytest.raises(OutputRefused, match="no room for the .* bytes" if no_room else "cannot be written: input"):
         attempt(tmp_path / "run.h5", force=True, compression=compression)
     assert (tmp_path / "run.h5").read_bytes() == b"older"
     assert names(tmp_path) == ["run.h5"]

@@ -205,7 +205,7 @@ def test_a_disk_that_fails_makes_the_run_a_failed_one(tmp_path: Path, monkeypatc
     with rubnoise.sweep(small(tmp_path), tmp_path / "d", jobs=1) as swept:
         (failure,) = swept.failures
         assert (swept.count("done"), failure.run_id) == (3, bad.stem)
-    assert failure.reason == f"{bad}: writing failed: Input/output error"
+    assert failure.reason == f"{bad}: writing failed: input/output error"
     assert not bad.exists()
 
 

@@ -41,17 +41,11 @@ class Peak:
     beside: Neighbours
 
 
-@dataclass(frozen=True, kw_only=True)
-class Life:
-    """One junction and those that it shared the contact with; um, um^2, s, MPa, uN.
-
-    ``others`` are the rows that overlap its life anywhere; times are None without a sliding speed and if the slider
-    never passed. The record is from 0 to ``record_end``; outside of it the other live junctions are unknown.
-    ``slides_evenly``: whether distance is a multiple of time.
-    """
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JunctionRow:
+    """The values in the row of a junction; those that only some runs have are None in the others."""
 
     number: int
-    rows: int
     birth_distance: float
     death_distance: float
     life_distance: float
@@ -62,6 +56,18 @@ class Life:
     birth_time: float | None = None
     death_time: float | None = None
     lateral_offset: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Life(JunctionRow):
+    """One junction and those that it shared the contact with; um, um^2, s, MPa, uN.
+
+    ``others`` are the rows that overlap its life anywhere; times are None without a sliding speed and if the slider
+    never passed. The record is from 0 to ``record_end``; outside of it the other live junctions are unknown.
+    ``slides_evenly``: whether distance is a multiple of time.
+    """
+
+    rows: int
     slides_evenly: bool
     record_end: float
     others: Neighbours
@@ -145,7 +151,7 @@ def life_of(file: Reader, number: int) -> Life:
     if not 0 <= number < rows:
         there = f"it has junctions 0 to {rows - 1}" if rows else "it has no junctions at all"
         raise Refused(f"there is no junction {number} in this run; {there}")
-    names = [each.name for each in fields(Life) if each.name in file.columns["junctions"]]
+    names = [each.name for each in fields(JunctionRow) if each.name in file.columns["junctions"]]
     row: dict[str, Any] = {name: file.column("junctions", name, number, number + 1)[0].item() for name in names}
     even, times = "landmarks" not in file.columns, {"birth_time", "death_time"}
     # A two-way slider may never have come by: that time is no number.

@@ -120,8 +120,7 @@ class Histogram:
     standard_error: Doubles
     outside: float
 
-    def __repr__(self) -> str:
-        return fields_as_text(self)
+    __repr__ = fields_as_text
 
     @property
     def middles(self) -> Doubles:

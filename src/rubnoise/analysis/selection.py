@@ -20,9 +20,7 @@ from rubnoise.record.rows import refuse_touches
 from rubnoise.scenario.reading import stored
 
 _AREAS_AT_ONCE: Final = 1 << 18  # their sum is taken piece by piece, so its last bits depend on it
-_CHECKED_ROWS: Final = (
-    1 << 18
-)  # that a comparison reads at once: it sums up each chunk, so its last bits depend on them
+_CHECKED_ROWS: Final = 1 << 18  # of a comparison at once: it sums up each chunk, so its last bits depend on them
 RowNumbers = NDArray[np.int64]
 
 

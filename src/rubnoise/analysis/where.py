@@ -15,9 +15,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, did_you_mean
 from rubnoise.record.sink import Columns
-from rubnoise.scenario.fields import did_you_mean as nearest
 from rubnoise.scenario.text import Place, Problem
 from rubnoise.storage.schema import JUNCTIONS, Dataset
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
@@ -57,21 +56,19 @@ def advice(word: str, columns: Sequence[str], states: Iterable[str] = ()) -> str
     if any(column.name == word for column in JUNCTIONS.columns):
         return f"this run has {', '.join(columns)}"
     holding = [name for name in known if len(word) > 2 and word.lower() in name]
-    if holding:
-        return f"did you mean {' or '.join(holding)}?"
-    return nearest(word, tuple(known)) or f"one of {', '.join(known)}"
+    return did_you_mean(word, known, holding) or f"one of {', '.join(known)}"
 
 
 class Condition:
     """A condition that a text writes about rows with some columns: ``chosen`` chooses rows, and needs ``columns``.
 
-    Raises ConditionRefused, with the text and a caret below the wrong part, if it is not valid.
+    Raises ConditionRefused, with how it was ``said``, the text and a caret below the wrong part, if it is not valid.
     """
 
-    def __init__(self, text: str, columns: Sequence[Dataset] = JUNCTIONS.columns) -> None:
+    def __init__(self, text: str, columns: Sequence[Dataset] = JUNCTIONS.columns, said: str = "--where") -> None:
         if len(text) > LONGEST:
-            raise ConditionRefused(f"--where: error: a condition of more than {LONGEST} characters")
-        self._text = text.strip()
+            raise ConditionRefused(f"{said}: error: a condition of more than {LONGEST} characters")
+        self._text, self._said = text.strip(), said
         self._known = {column.name: column for column in columns}
         self._states = STATES if any(column.name == "state" and column.flags for column in columns) else {}
         self._numbers = {found.start(): found for found in _QUANTITY.finditer(self._text)}
@@ -175,7 +172,7 @@ class Condition:
     def _refused(self, span: tuple[int, int], message: str, hint: str = "") -> ConditionRefused:
         """Return the error that shows the condition with carets below the wrong part."""
         start, end = span
-        place = Place(source="--where", line=0, text=self._text, start=start, end=max(end, start + 1))
+        place = Place(source=self._said, line=0, text=self._text, start=start, end=max(end, start + 1))
         return ConditionRefused(str(Problem(path=(), message=message, place=place, hint=hint)))
 
 

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from rubnoise.api.columns import Column
 from rubnoise.api.keywords import shown
+from rubnoise.api.notebook import Overview, Shown
 from rubnoise.arrays import slices
 from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
-from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -25,7 +25,7 @@ Read = Callable[..., NDArray[Any]]
 """Returns rows of a column by its name, all of them or from a first one to a last one."""
 
 
-class Columns(dict[str, Column]):
+class Columns(Shown, dict[str, Column]):
     """The columns of one group of a result, by name: ``run.trace["real_contact_area"]``, each read when it is needed.
 
     ``len`` is the number of rows; iteration gives the names, the column first on which the others depend. It is a dict
@@ -137,14 +137,11 @@ class Columns(dict[str, Column]):
         ...     len(large) < len(run.junctions), bool(large["diameter"].min() > 6.0)
         (True, True)
         """
-        from rubnoise.analysis.where import Condition, ConditionRefused
+        from rubnoise.analysis.where import Condition
 
         if not isinstance(condition, str):
             raise Refused(f'where: {shown(condition)}: is no text; right form: where("diameter > 6 um")')
-        try:
-            node = Condition(condition, list(self._columns.values()))
-        except ConditionRefused as refused:
-            raise ConditionRefused(str(refused).replace("--where", "where", 1)) from None
+        node = Condition(condition, list(self._columns.values()), "where")
         rows = [np.zeros(0, dtype=np.int64)]
         for part in slices(0, len(self)):
             right = node.chosen({name: self._read(name, part.start, part.stop) for name in node.columns})
@@ -160,21 +157,14 @@ class Columns(dict[str, Column]):
         """The first line of the table as it is shown."""
         return f"{self._called}: {f'{self.long_name}, ' if self.long_name else ''}{len(self):,} rows"
 
-    def _rows(self) -> list[tuple[str, str, str]]:
+    def _overview(self) -> Overview:
         """Return name and unit of each column, and its meaning, or its range if that is not known."""
-        return [(name, each.units, each.long_name or self._range(name)) for name, each in self._columns.items()]
+        rows = [(name, each.units, each.long_name or self._range(name)) for name, each in self._columns.items()]
+        return self._heading, ("column", "unit", ""), rows, ()
 
     def _range(self, name: str) -> str:
         column = self[name]
         return f"{column.min():.6g} to {column.max():.6g}"
-
-    def __repr__(self) -> str:
-        rows = self._rows()
-        width = max(len(name) for name, _, _ in rows)
-        return shortened([self._heading, *(f"  {name:<{width}}  {unit:<5}  {text}" for name, unit, text in rows)])
-
-    def _repr_html_(self) -> str:
-        return as_html(self._heading, ("column", "unit", ""), self._rows())
 
     def plot(self, name: str | None = None) -> "Figure":
         """Draw a column over the first one, all of them without a name, and return the figure."""

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from difflib import get_close_matches
 from math import pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from rubnoise.analysis.spectra import SEGMENTS, welch
 from rubnoise.api.column_group import SHORT, Table
 from rubnoise.api.columns import Column, with_units
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, advised, did_you_mean
 from rubnoise.real_numbers import number_in
 from rubnoise.units import LENGTH, TIME
 
@@ -90,12 +89,15 @@ def power_spectrum(column: Column, step: float, place_units: str, segment: Any =
 
     Over time G(f) = 2 S(2 pi f), one-sided, in SI; along the distance S(k), two-sided, in working units.
     """
-    ticks = 2 * (column.size // (SEGMENTS + 1)) if segment is None else round(_length(segment, place_units) / step)
-    ticks = max(8, 2 * (ticks // 2)) if segment is None else 2 * (ticks // 2)
+    if segment is None:
+        ticks = max(8, 2 * (column.size // (SEGMENTS + 1)))
+    else:
+        length = number_in(segment, "segment=", TIME if place_units == "s" else LENGTH, positive=True)
+        ticks = 2 * (round(length / step) // 2)
     if not 8 <= ticks <= column.size:
-        length = f"a segment of {'8 rows at least' if segment is None else f'{ticks} rows'}"
+        asked = f"a segment of {'8 rows at least' if segment is None else f'{ticks} rows'}"
         needed = "a spectrum needs segments of 8 rows or more"
-        raise Refused(f"{column.name}: {length}, in a record of {column.size:,}; {needed}")
+        raise Refused(f"{column.name}: {asked}, in a record of {column.size:,}; {needed}")
     seen = welch(column.chunks(), ticks, step)
     if place_units == "s":
         shown, scale = SI.get(column.units, (column.units, 1.0))
@@ -109,13 +111,6 @@ def power_spectrum(column: Column, step: float, place_units: str, segment: Any =
     return PowerSpectrum(column.name, [place, *columns], seen.segments)
 
 
-def _length(segment: Any, place_units: str) -> float:
-    length = number_in(segment, "segment=", TIME if place_units == "s" else LENGTH)
-    if not length > 0.0:
-        raise Refused(f"segment=: {length:g} is no length; a number is in {place_units}, above 0 and finite")
-    return length
-
-
 def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum:
     """Return the spectrum of a column of a run, with the exact one if theory knows it (see Run.psd)."""
     from rubnoise.figures.tracks import exact_spectrum
@@ -125,11 +120,11 @@ def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum
     of_slider = groups["slider"].names[2:] if "slider" in groups else ()
     known = dict.fromkeys([*groups["trace"].names[1:], *of_slider])
     if quantity not in known:
-        near = get_close_matches(str(quantity), [*known, *SHORT], n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        hint = did_you_mean(str(quantity), [*known, *SHORT], quote="'")
         if quantity in ("load", "normal-velocity"):
-            hint = f'; run.plot("psd", of={quantity!r}) draws it'
-        raise KeyError(f"{quantity!r} has no spectrum here; there are {', '.join(known)}{hint}")
+            hint = f'run.plot("psd", of={quantity!r}) draws it'
+        there = f"{quantity!r} has no spectrum here; there are {', '.join(known)}"
+        raise KeyError(advised(there, hint))
     if timed := quantity in of_slider:
         seen = power_spectrum(groups["slider"][quantity], model.tick / (model.sliding_speed or 1.0), "s", segment)
     else:

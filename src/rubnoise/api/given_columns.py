@@ -10,11 +10,12 @@ import numpy as np
 from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
 from rubnoise.api.keywords import shown
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, refusing_files
-from rubnoise.real_numbers import with_unit
+from rubnoise.real_numbers import real_numbers
 from rubnoise.storage.foreign import opened
 from rubnoise.storage.measured import Asked, Head, Source, head_of, measured
-from rubnoise.units import NONE, spelled
+from rubnoise.units import NONE, is_of_pint, spelled, unit_name
 
 _NANOSECONDS: Final = 1e-9
 _PLACES: Final = ("s", "um")
@@ -44,6 +45,19 @@ def _array_of(values: Any, name: str, asked: Asked, unit: Any) -> Source:
     if found.ndim != 1 or not found.size:
         raise Refused(f"{name}: has the shape {found.shape}; one row of finite numbers is needed")
     return Source(path="", heads=[Head(name, spelled(str(own)), name)], arrays={0: found})
+
+
+def with_unit(values: Any, what: str, unit: Any) -> tuple[Doubles, str]:
+    """Return values as doubles, and their unit; quantities of pint are converted to ``unit``, or have their own.
+
+    ``unit`` is a text, empty if none is known, or a unit of pint. Raises Refused as `real_numbers` does.
+    """
+    unit = unit_name(unit)
+    first = values[0] if isinstance(values, list | tuple) and values else values
+    if not is_of_pint(first):
+        return real_numbers(values, what), unit
+    own = unit or unit_name(first.units)
+    return real_numbers(values, what, own), own
 
 
 def _table_of(given: Any, name: str, *, rated: bool) -> Source | None:

@@ -16,7 +16,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import pulse_of
-from rubnoise.errors import Refused, RunFileRefused, refusing_files
+from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.inference.estimates import Assumed, Estimate
 from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, InferenceResult, infer_signal
@@ -28,7 +28,7 @@ from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
 from rubnoise.storage.measured import LARGEST_VALUE, Asked, Source
-from rubnoise.units import FREQUENCY, SPEED, STRESS
+from rubnoise.units import FREQUENCY, RATIO, SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
 STROKE_END: Final = "5 %"
@@ -97,13 +97,11 @@ def infer(
     left_out, corner = keywords.frequencies("mask", mask), keywords.quantity("bandwidth", bandwidth, FREQUENCY)
     if keywords.choice("poles", poles, (1, 2)) != 1 and corner is None:
         raise Refused('poles=: the poles of a filter need its corner, as in bandwidth="200 Hz"')
-    if unit is not None:
-        keywords.scale_of(unit, "unit=")
     source = _measured(trace, keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to))
     signal = _signal(source, velocity, unit, zero)
     if strokes not in (None, False):
-        end = keywords.share("strokes", STROKE_END if strokes is True else strokes, MOST_OF_AN_END)
-        signal = joined(signal, end, source.begin)
+        share = keywords.quantity("strokes", STROKE_END if strokes is True else strokes, RATIO, (0.0, MOST_OF_AN_END))
+        signal = joined(signal, share or 0.0, source.begin)
     no_force = f'the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
     no_strengths, in_time = "a trace of area has no strengths", "frequencies are of a trace over time"
     tells_it = "with a known zero and a known strength the trace tells the spread itself"
@@ -118,7 +116,7 @@ def infer(
         if value is not None and is_wrong:
             raise Refused(f"{keyword}=: {why}")
     assumed = Assumed(
-        strength_spread=0.0 if strength_spread is None else keywords.share("strength_spread", strength_spread, _WIDEST),
+        strength_spread=keywords.quantity("strength_spread", strength_spread, RATIO, (0.0, _WIDEST)) or 0.0,
         pulse=pulse_of(pulse or "lens", offset),
         shape_chosen=pulse is not None,
         bandwidth=inf if corner is None or velocity is None else corner / velocity,
@@ -135,10 +133,7 @@ def infer(
 
 def _measured(trace: Any, asked: Asked) -> Source:
     """Return the wanted column of what is given; of a run the force by default, or else the area."""
-    run = trace
-    if isinstance(trace, str | os.PathLike):
-        with refusing_files(trace):
-            run = _own_result(trace)
+    run = _own_result(trace) if isinstance(trace, str | os.PathLike) else trace
     if not isinstance(run, Run):
         return sampled(trace, asked)
     name = "trace" if run is trace else os.fspath(trace)
@@ -152,7 +147,7 @@ def _measured(trace: Any, asked: Asked) -> Source:
 def _own_result(trace: str | os.PathLike[str]) -> Run | None:
     """Open a result of ours; None for any other file."""
     path = os.fspath(trace)
-    if not os.path.exists(path) or not is_hdf5(path):  # noqa: PTH110  (a path with a colon may be no path)
+    if not is_hdf5(path):
         return None
     try:
         return open_result(path)

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rubnoise.analysis.life import JunctionRow
 from rubnoise.contact.pulses import LENS, Pulse, area_of
 from rubnoise.real_numbers import at_each
-from rubnoise.record.rows import JunctionState
 from rubnoise.storage import schema
 from rubnoise.tables import as_html
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Junction:
+class Junction(JunctionRow):
     """One junction's row: distances in um, area in um^2; times in s and strength in MPa if the run has them.
 
     >>> import rubnoise
@@ -29,17 +29,6 @@ class Junction:
     True
     """
 
-    number: int
-    birth_distance: float
-    death_distance: float
-    life_distance: float
-    diameter: float
-    max_area: float
-    state: JunctionState
-    shear_strength: float | None = None
-    birth_time: float | None = None
-    death_time: float | None = None
-    lateral_offset: float | None = None
     pulse: Pulse = field(default=LENS, repr=False)
 
     def area(self, distance: ArrayLike) -> NDArray[np.float64]:

@@ -34,8 +34,10 @@ def shown(value: Any) -> str:
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
-def quantity(keyword: str, value: Any, kind: units.Kind) -> float | None:
-    """Return a positive quantity in working units, None if none is given; raises Refused for anything else."""
+def quantity(
+    keyword: str, value: Any, kind: units.Kind, limits: tuple[float, float] = (SMALLEST, LARGEST)
+) -> float | None:
+    """Return a quantity within limits in working units, None if none is given; raises Refused for anything else."""
     if value is None:
         return None
     form = f'{keyword}="{kind.example}"'
@@ -43,10 +45,19 @@ def quantity(keyword: str, value: Any, kind: units.Kind) -> float | None:
         number = float(units.quantity_of(value, kind))
     except units.QuantityError as problem:
         raise _refusal(f"{keyword}=", value, problem, form) from problem
-    if not number > 0.0:
+    if number <= 0.0 < limits[0]:
         raise Refused(f"{keyword}=: {shown(value)} is not above 0; right form: {form}")
-    if not SMALLEST <= number <= LARGEST:
-        raise Refused(f"{keyword}=: {shown(value)} is not between {kind.number(SMALLEST)} and {kind.number(LARGEST)}")
+    if not limits[0] <= number <= limits[1]:
+        least, most = map(kind.number, limits)
+        raise Refused(f"{keyword}=: {shown(value)} is not between {least} and {most}")
+    return number
+
+
+def needed(keyword: str, value: Any, kind: units.Kind) -> float:
+    """Return a positive quantity in working units; raises Refused for anything else, and if none is given."""
+    number = quantity(keyword, value, kind)
+    if number is None:
+        raise Refused(f'{keyword}= is needed; right form: {keyword}="{kind.example}"')
     return number
 
 
@@ -54,17 +65,6 @@ def _refusal(what: str, value: Any, problem: units.QuantityError, form: str, mor
     """Return the refusal of a value that is no quantity, with advice and the right form."""
     hint = f"; {problem.hint}" if problem.hint and not problem.hint.startswith("right form") else ""
     return Refused(f"{what}: {shown(value)}: {problem}{hint}{more}; right form: {form}")
-
-
-def share(keyword: str, value: Any, most: float) -> float:
-    """Return a share from 0 % to ``most`` as a part of 1; raises Refused for anything else."""
-    try:
-        number = float(units.quantity_of(value, units.RATIO))
-    except units.QuantityError as problem:
-        raise _refusal(f"{keyword}=", value, problem, f'{keyword}="{units.RATIO.example}"') from problem
-    if not 0.0 <= number <= most:
-        raise Refused(f"{keyword}=: {shown(value)} is not from 0 % to {100.0 * most:g} %")
-    return number
 
 
 def frequencies(keyword: str, values: Any) -> list[float]:

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
@@ -12,11 +11,11 @@ from rubnoise.analysis.sound import Heard
 from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
 from rubnoise.api.trace import Trace
-from rubnoise.errors import Refused, refusing_files
+from rubnoise.errors import Refused, advised, did_you_mean, naming
 from rubnoise.figures import Kind, style
 from rubnoise.figures.catalogue import AS_IT_IS, HEARD, OVERLAID, PICTURES, Appearance, drawing
 from rubnoise.figures.style import NARROW, STYLES
-from rubnoise.figures.tracks import Stretch, prefix_refusals
+from rubnoise.figures.tracks import Stretch
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import is_hdf5
 from rubnoise.units import LENGTH, QuantityError, read_quantity
@@ -55,9 +54,8 @@ def picture_named(what: Any) -> Kind:
     what = "psd" if what == "spectrum" else what
     if isinstance(what, str) and what in PICTURES:
         return what
-    near = get_close_matches(str(what), PICTURES, n=1)
-    hint = f'; did you mean "{near[0]}"?' if near else ""
-    raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
+    known = f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}"
+    raise Refused(advised(known, did_you_mean(str(what), PICTURES, quote='"')))
 
 
 def drawn(
@@ -89,7 +87,7 @@ def drawn(
     elif beside is not None:
         if kind not in OVERLAID and not (kind == "psd" and heard):
             raise Refused(f"{names[1]}: another run is for slider, phase, load, and psd of anything but the area")
-        with prefix_refusals(names[1]):
+        with naming(names[1]):
             other = Stretch.of(beside.reader())
     ends = {"start=": start, "stop=": stop}
     first, last = (None if end is None else number_in(end, name, LENGTH) for name, end in ends.items())
@@ -99,11 +97,10 @@ def drawn(
 
 def _measurement(path: Any, *, whole: bool) -> Trace:
     """Read a trace to draw beside a spectrum; raises Refused for a result if the picture needs the ``whole`` run."""
-    with refusing_files(path):
-        if isinstance(path, str | os.PathLike) and is_hdf5(path):
-            opened = f'rubnoise.open("{os.fspath(path)}")'
-            right = opened if whole else f"rubnoise.Trace({opened})"
-            raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")
+    if isinstance(path, str | os.PathLike) and is_hdf5(path):
+        opened = f'rubnoise.open("{os.fspath(path)}")'
+        right = opened if whole else f"rubnoise.Trace({opened})"
+        raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")
     return Trace(path)
 
 

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from copy import deepcopy
 from dataclasses import replace
 from difflib import get_close_matches
@@ -20,12 +20,12 @@ from rubnoise.api.column_group import SHORT, Columns, columns_by_group, homes_of
 from rubnoise.api.columns import with_units
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import refuse_unknown, shown
+from rubnoise.api.notebook import Overview, Shown
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
-from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.tables import as_html, shortened
+from rubnoise.storage.reader import RunFile, calculating, open_run
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -72,7 +72,7 @@ class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
         return Exception.__str__(self)
 
 
-class Run:
+class Run(Shown):
     """A run: an open result file, which is a context manager, or a `Record` in memory.
 
     Opening reads its structure, asking for rows reads those rows. The groups of columns are attributes: ``junctions``
@@ -207,7 +207,7 @@ class Run:
 
         if bound is not None and not (isinstance(bound, Real) and 0.0 < float(bound) < inf):
             raise Refused(f"bound=: {shown(bound)} is no bound on |z|; it is a number above 0")
-        with _calculating(self._called):
+        with calculating(self._called):
             return replace(compare(self.model(), self._reader, bound), title=f"{self._called}: compared with theory")
 
     def verify(self) -> "Verification":
@@ -217,7 +217,7 @@ class Run:
         """
         from rubnoise.runs.verification import verify
 
-        with self._file_of() as file, _calculating(self._called):
+        with self._file_of() as file, calculating(self._called):
             return replace(verify(file), title=f"{self._called}: verified")
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
@@ -255,7 +255,7 @@ class Run:
         "phase" and spectra in Hz, or for "psd" a `Trace` or its file. With ``ax`` it takes the place of these axes, and
         the whole figure is returned. ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of a journal;
         ``title`` is whether axes have titles; ``style`` is "screen", "paper" (small letters and thin lines, the default
-        below 120 mm) or "slides". Raises Refused for a picture that the run does not have, PicturesMissing without
+        below 120 mm) or "slides". Raises Refused for a picture that the run does not have, ExtraMissing without
         matplotlib.
 
         >>> import rubnoise
@@ -290,20 +290,13 @@ class Run:
         """The name of the run in messages."""
         return str(self.path)
 
-    def _shown(self) -> tuple[str, list[tuple[str, str, str]]]:
-        """Return a heading; and name, number of rows and columns of each group, as texts, but not of a closed file."""
+    def _overview(self) -> Overview:
+        """Return name, number of rows and columns of each group, but not of a closed file."""
         if isinstance(self._reader, RunFile) and self._reader.closed:
-            return f"{self._called}: a run, closed", []
-        rows = [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in self._groups.items()]
-        return f"{self._called}: {self.attributes['title']}".removesuffix(": "), rows
-
-    def __repr__(self) -> str:
-        heading, groups = self._shown()
-        return shortened([heading, *(f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in groups)])
-
-    def _repr_html_(self) -> str:
-        heading, groups = self._shown()
-        return as_html(heading, ("group", "rows", "columns") if groups else (), groups)
+            return f"{self._called}: a run, closed", (), (), ()
+        rows = [(f".{name}", f"{len(group):,} rows", ", ".join(group)) for name, group in self._groups.items()]
+        heading = f"{self._called}: {self.attributes['title']}".removesuffix(": ")
+        return heading, ("group", "", "columns"), rows, ()
 
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
         """Return the result as an xarray DataTree, ``run.to_xarray()["trace"]``; groups are as of Columns.to_xarray."""
@@ -317,16 +310,6 @@ class Run:
     def to_pandas(self) -> "dict[str, pd.DataFrame]":
         """Read every group into a pandas DataFrame; see Columns.to_pandas, which reads one."""
         return {name: columns.to_pandas() for name, columns in self._groups.items()}
-
-
-@contextmanager
-def _calculating(source: str) -> Iterator[None]:
-    """Say of values that no run has which result holds them, and what says more."""
-    try:
-        yield
-    except (ArithmeticError, ValueError, IndexError) as problem:
-        reason = " ".join(str(problem).split())
-        raise RunFileRefused(f"{source}: {reason}; run.verify() says which values are wrong") from problem
 
 
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)

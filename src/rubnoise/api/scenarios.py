@@ -1,9 +1,8 @@
 """Load a scenario from a file, from those that come with rubnoise, or from a Scenario."""
 
 import os
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
 
 from rubnoise.api.keywords import LARGEST, SMALLEST, shown
 from rubnoise.errors import NoColumn, Refused, ScenarioRefused, refusing_files
@@ -20,6 +19,8 @@ from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep import load_sweep as load_sweep_file
 from rubnoise.units import LENGTH, unit_or_one
 
+Loaded = TypeVar("Loaded", bound=Scenario | Sweep)
+
 
 def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = ()) -> Scenario:
     """Read a scenario: from a TOML file, or one that comes with rubnoise by its name, such as "paper/fig5".
@@ -31,16 +32,19 @@ def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = (
     >>> rubnoise.load("paper/fig5", ["run.seed=7"]).run.seed
     7
     """
-    overrides = in_full(_listed(overrides))
-    if isinstance(source, Scenario):
-        parted = (each.partition("=") for each in overrides)
-        return source.replace({key.strip(): override_value(value) for key, _, value in parted}) if overrides else source
-    given = _path(source)
-    path = named(given)
-    with suppress(OSError):  # which reading the file says better
-        if is_hdf5(path):
-            raise ScenarioRefused(f'{path}: is a result, not a scenario; rubnoise.open("{path}") reads it')
-    return load_file(path, overrides, sizes_of)
+    if not isinstance(source, Scenario):
+        return read_by(load_file, source, _listed(overrides))
+    parted = (each.partition("=") for each in in_full(_listed(overrides)))
+    return source.replace({key.strip(): override_value(value) for key, _, value in parted}) if overrides else source
+
+
+def read_by(reader: Callable[..., Loaded], source: str | os.PathLike[str] | Sweep, overrides: Sequence[str]) -> Loaded:
+    """Read a file, or one that comes with rubnoise by its name, by a reader of scenarios, of sweeps or of either."""
+    path = named(_path(source))
+    if is_hdf5(path):
+        ways = f'rubnoise.open("{path}") and rubnoise info {path} say what is in it'
+        raise ScenarioRefused(f"{path}: is a result, not a scenario; {ways}")
+    return reader(path, in_full(overrides), sizes_of)
 
 
 def _listed(overrides: Any) -> Sequence[str]:
@@ -59,7 +63,7 @@ def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     >>> sweep.keys, len(rubnoise.expand(sweep))
     (('interface.mean_junction_count',), 5)
     """
-    return load_sweep_file(named(_path(source)), in_full(_listed(overrides)), sizes_of)
+    return read_by(load_sweep_file, source, _listed(overrides))
 
 
 def _path(source: Any) -> str | os.PathLike[str]:
@@ -106,10 +110,10 @@ def sizes_of(path: str, column: str | None) -> Sequence[float]:
     from rubnoise.storage.foreign import opened
     from rubnoise.storage.measured import check_values, column_of
 
+    inside = is_hdf5(path)
+    if inside and not column:
+        raise NoColumn(f'{path}: which dataset? column = "/junctions/diameter" names one')
     with refusing_files(path):
-        inside = is_hdf5(path)
-        if inside and not column:
-            raise NoColumn(f'{path}: which dataset? column = "/junctions/diameter" names one')
         source = opened(f"{path}:{column}" if inside else path)
     several = not inside and (column is not None or len(source.heads) > 1)
     number = column_of(source, column or "", "column") if several else 0

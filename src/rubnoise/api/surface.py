@@ -10,20 +10,20 @@ from typing import Any, Self
 import numpy as np
 
 from rubnoise.api import keywords
+from rubnoise.api.given_columns import with_unit
+from rubnoise.api.notebook import Overview, Shown
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.real_numbers import with_unit
 from rubnoise.storage.output import whole_file
 from rubnoise.storage.scan import Scan, Told, from_topography, length_scale, read_scan, write_scan
 from rubnoise.surface.height_map import FORMS, HeightMap, check_sense, without_form
 from rubnoise.surface.sliding import SlidingContact
 from rubnoise.surface.waves import Waves, band_limited, self_affine
-from rubnoise.tables import as_html, shortened
 from rubnoise.units import FORCE, LENGTH, STRESS
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
-class Surface:
+class Surface(Shown):
     """A map of heights in um, the first index along the sliding, with its form removed.
 
     `Surface.read` takes a file of an instrument, `Surface.of` an object of SurfaceTopography or an array, and
@@ -104,12 +104,12 @@ class Surface:
         self-affine, those above are equally strong: without them, 5 points and a sixteenth of the side, but two
         cut-offs at least. Raises Refused for a surface that cannot be.
         """
-        side, step = keywords.count("points", points, 1 << 20), _needed("spacing", spacing, LENGTH)
+        side, step = keywords.count("points", points, 1 << 20), keywords.needed("spacing", spacing, LENGTH)
         shortest = keywords.quantity("cutoff", cutoff, LENGTH) or 5.0 * step
         made = self_affine(
             points=side,
             spacing=step,
-            roughness=_needed("roughness", roughness, LENGTH),
+            roughness=keywords.needed("roughness", roughness, LENGTH),
             hurst=float(hurst),
             rolloff=keywords.quantity("rolloff", rolloff, LENGTH) or max(side * step / 16.0, 2.0 * shortest),
             cutoff=shortest,
@@ -164,9 +164,9 @@ class Surface:
             raise Refused('cutoff=: the number of junctions has no value without it; right form: cutoff="5 um"')
         return self._under(
             slider,
-            load=_needed("load", load, FORCE),
-            hardness=_needed("hardness", hardness, STRESS),
-            cutoff=_needed("cutoff", cutoff, LENGTH),
+            load=keywords.needed("load", load, FORCE),
+            hardness=keywords.needed("hardness", hardness, STRESS),
+            cutoff=keywords.needed("cutoff", cutoff, LENGTH),
             longest=keywords.quantity("longest", longest, LENGTH),
             slider_length=keywords.quantity("slider_length", slider_length, LENGTH),
         )
@@ -189,18 +189,12 @@ class Surface:
         with whole_file(path, force=force) as part:
             write_scan(part, self.heights, self.map.size, periodic=self.map.periodic)
 
-    def __repr__(self) -> str:
-        lines = [f"  {name:<13} {value:.4g}" for name, value in self.roughness().items()]
-        return shortened([self._title(), *(f"  {done}" for done in self.map.history), *lines])
-
-    def _repr_html_(self) -> str:
-        rows = [(name, f"{value:.4g}") for name, value in self.roughness().items()]
-        return as_html(self._title(), ("", "value"), rows, "\n".join(self.map.history))
-
-    def _title(self) -> str:
+    def _overview(self) -> Overview:
         along, across = self.map.size
         points = " x ".join(map(str, self.map.heights.shape))
-        return f"{self.map.name}: {points} points over {along:.4g} um x {across:.4g} um"
+        heading = f"{self.map.name}: {points} points over {along:.4g} um x {across:.4g} um"
+        rows = [(name, f"{value:.4g}") for name, value in self.roughness().items()]
+        return heading, ("", "value"), rows, self.map.history
 
 
 def _two_lengths(keyword: str, value: Any) -> tuple[float, float]:
@@ -209,11 +203,4 @@ def _two_lengths(keyword: str, value: Any) -> tuple[float, float]:
     both = tuple(sides) if isinstance(sides, list | tuple) else (sides,)
     if len(both) not in (1, 2):
         raise Refused(f"{keyword}=: {keywords.shown(value)} is neither one length nor two")
-    return _needed(keyword, both[0], LENGTH), _needed(keyword, both[-1], LENGTH)
-
-
-def _needed(keyword: str, value: Any, kind: Any) -> float:
-    number = keywords.quantity(keyword, value, kind)
-    if number is None:
-        raise Refused(f'{keyword}= is needed; right form: {keyword}="{kind.example}"')
-    return number
+    return keywords.needed(keyword, both[0], LENGTH), keywords.needed(keyword, both[-1], LENGTH)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rubnoise.api.column_group import Table
 from rubnoise.api.columns import Column
+from rubnoise.api.notebook import Overview, Shown
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
@@ -23,7 +24,6 @@ from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import ABOUT, file_of, name_in, scenario_in
 from rubnoise.storage.index import Index, read_index
 from rubnoise.storage.reader import refusing
-from rubnoise.tables import as_html, shortened
 from rubnoise.units import KINDS, RATIO
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class Failure:
     reason: str
 
 
-class SweepResult:
+class SweepResult(Shown):
     """The folder of a sweep, opened; a context manager. Its index is read, its runs are opened when they are needed.
 
     ``runs`` has one row a run, point after point: `run_id`, `point`, `replicate`, the swept keys by their names,
@@ -179,20 +179,11 @@ class SweepResult:
         """Return `runs` as a pandas DataFrame; raises ExtraMissing without pandas."""
         return self.runs.to_pandas()
 
-    def _rows(self) -> list[tuple[str, str]]:
-        """Return each key with its values, as texts."""
-        return [(key, ", ".join(dict.fromkeys(str(point[key]) for point in self.values))) for key in self.keys]
-
-    @property
-    def _counts(self) -> str:
-        return f"{len(self.points):,} points, {', '.join(f'{self.count(state):,} {state}' for state in STATES)}"
-
-    def __repr__(self) -> str:
-        values = (f"  {key}: {text}" for key, text in self._rows())
-        return shortened([f"{self.path}: {self.title}", f"  {self._counts}", *values])
-
-    def _repr_html_(self) -> str:
-        return as_html(f"{self.path}: {self.title}", ("key", "values"), self._rows(), self._counts)
+    def _overview(self) -> Overview:
+        """Return each key with its values, and how many runs are done."""
+        rows = [(key, ", ".join(dict.fromkeys(str(point[key]) for point in self.values))) for key in self.keys]
+        counts = f"{len(self.points):,} points, {', '.join(f'{self.count(state):,} {state}' for state in STATES)}"
+        return f"{self.path}: {self.title}", ("key", "values"), rows, [counts]
 
     def plot(
         self,
@@ -206,7 +197,7 @@ class SweepResult:
 
         Without a name it is "displacement_std", or "real_contact_area_std" for a sweep without a slider. ``size``,
         ``title`` and ``style`` are as in `Run.plot`. Raises Refused for a quantity that the sweep does not have,
-        PicturesMissing without matplotlib.
+        ExtraMissing without matplotlib.
         """
         from rubnoise.api.pictures import appearance
         from rubnoise.figures.catalogue import sweep_drawing

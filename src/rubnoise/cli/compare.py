@@ -3,10 +3,7 @@
 import sys
 from contextlib import ExitStack, suppress
 from dataclasses import replace
-from math import isfinite
 from typing import TYPE_CHECKING, Annotated
-
-import typer
 
 from rubnoise.answer import Row, printable
 from rubnoise.cli.layout import show
@@ -33,17 +30,15 @@ def compare(
 
     Example: rubnoise compare fig5.h5
     """
-    from rubnoise.analysis import comparison
+    from rubnoise.api.run import Run
     from rubnoise.cli.loading import finished_run
-    from rubnoise.scenario.reading import stored
 
-    if bound is not None and not (isfinite(bound) and bound > 0.0):
-        raise typer.BadParameter(f"--bound: {bound} is no bound on |z|; it is a number above 0")
-    with finished_run(file) as run:
-        model = stored(run.provenance["scenario_resolved"]).model()
-        found = comparison.compare(model, run, bound)
+    with finished_run(file) as result:
+        run = Run(result)
+        found = run.compare(bound)
         title = f"{file}: compared with the theory of its scenario"
-        show(replace(found, title=title, rows=(*found.rows, *_white_noise(model))), as_json=as_json, as_csv=as_csv)
+        rows = (*found.rows, *_white_noise(run.model()))
+        show(replace(found, title=title, rows=rows), as_json=as_json, as_csv=as_csv)
     if found.outside:
         raise NotPassed(f"{printable(str(file))}: outside: {', '.join(found.outside)}")
 

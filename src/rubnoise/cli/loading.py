@@ -3,25 +3,21 @@
 import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import rubnoise
-from rubnoise.api.scenarios import sizes_of
+from rubnoise.api.scenarios import Loaded, read_by
 from rubnoise.cli.options import NUMBER
-from rubnoise.errors import OutputRefused, Refused, RunFileRefused
+from rubnoise.errors import Refused, naming
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.layers import OptionOverride, override_value
 from rubnoise.scenario.reading import in_full
-from rubnoise.scenario.shipped import named
-from rubnoise.scenario.sweep import Sweep
 
 if TYPE_CHECKING:
     from rubnoise.storage.reader import RunFile
-
-Loaded = TypeVar("Loaded", bound=Scenario | Sweep)
 
 
 def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine: str | None = None) -> tuple[str, ...]:
@@ -60,10 +56,7 @@ def loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str] = (),
 
     ``read`` says which: `load`, `load_sweep`, or `load_either`.
     """
-    file = named(file)
-    if is_result(file):
-        raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
-    found = read(file, in_full(changes), sizes_of)
+    found = read_by(read, file, changes)
     if not quiet:
         for warning in found.warnings:
             print(warning, file=sys.stderr)
@@ -72,19 +65,12 @@ def loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str] = (),
 
 def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
     """Load a scenario, or take that of a result; raises Refused for changes to the scenario of a result."""
-    if not is_result(file):
+    if not is_hdf5(file):
         return loaded(load, file, changes, quiet=quiet)
     if changes:
         raise Refused(f"{file}: is a result, whose scenario --set can't change any more")
     with rubnoise.open(file) as run:
         return run.scenario
-
-
-def is_result(file: Path) -> bool:
-    """Whether a file begins as HDF5 does; reading it reports any other problem."""
-    with suppress(OSError):
-        return is_hdf5(file)
-    return False
 
 
 @contextmanager
@@ -93,18 +79,7 @@ def finished_run(path: Path) -> Iterator["RunFile"]:
 
     Raises RunFileRefused if open_run refuses it, or if its values cannot be used.
     """
-    from rubnoise.storage.reader import open_run
+    from rubnoise.storage.reader import calculating, open_run
 
-    with open_run(path) as file:
-        try:
-            yield file
-        except OutputRefused:
-            raise
-        except Refused as refused:
-            if str(refused).startswith((f"{path}: ", "--")):
-                raise
-            raise type(refused)(f"{path}: {refused}") from refused
-        except (ArithmeticError, ValueError, IndexError) as problem:
-            # Rows may hold anything: what no run has is nothing to calculate with.
-            reason = " ".join(str(problem).split())
-            raise RunFileRefused(f"{path}: {reason}; rubnoise verify says whether its values are sound") from problem
+    with open_run(path) as file, naming(path), calculating(path):
+        yield file

@@ -13,7 +13,7 @@ from rubnoise.answer import size
 from rubnoise.cli.layout import sentence, write_texts
 from rubnoise.cli.options import NewFile, ReplaceFile, StretchEnd, StretchStart, argument, option, output
 from rubnoise.cli.plot import distance
-from rubnoise.regular_file import is_folder
+from rubnoise.regular_file import is_folder, is_hdf5
 
 Ends = tuple[float | None, float | None]
 
@@ -48,11 +48,10 @@ def page(
 
     Example: rubnoise page fig5.h5 --from 1mm --to 2mm
     """
-    from rubnoise.cli.loading import is_result
     from rubnoise.storage.output import check_output
 
     sources = files or []
-    runs = (is_folder(each) or is_result(each) or each.suffix.lower() == ".h5" for each in sources)
+    runs = (is_folder(each) or is_hdf5(each) or each.suffix.lower() == ".h5" for each in sources)
     wanted = form or (PageForm.view if sources and all(runs) else PageForm.lesson)
     ends = distance("--from", start), distance("--to", stop)
     _check(sources, wanted, ends)
@@ -126,12 +125,12 @@ def report_page(file: Path) -> str:
 
 def lesson_page(source: Path) -> str:
     """Return a lesson about a scenario; of a finished result its junctions are replayed."""
-    from rubnoise.cli.loading import finished_run, is_result, loaded
+    from rubnoise.cli.loading import finished_run, loaded
     from rubnoise.lesson.page import page, record_of
     from rubnoise.scenario import load
 
     record = None
-    if is_result(source):
+    if is_hdf5(source):
         with finished_run(source), rubnoise.open(source) as run:
             scenario, record = run.scenario, record_of(run)
     else:

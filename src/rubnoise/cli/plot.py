@@ -13,7 +13,7 @@ import typer
 import rubnoise
 from rubnoise.answer import printable
 from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
-from rubnoise.errors import refusing_files
+from rubnoise.errors import naming, refusing_files
 from rubnoise.figures import Kind, Style
 from rubnoise.regular_file import is_folder
 
@@ -145,13 +145,12 @@ def _plot_run(
 
 def _plot_sweep(folder: Path, what: str | None, output: Path | None, look: "Appearance", *, force: bool) -> None:
     from rubnoise.figures.catalogue import first_quantity, sweep_drawing
-    from rubnoise.figures.tracks import prefix_refusals
 
     with rubnoise.open_sweep(folder) as sweep:
         shown = what or first_quantity(sweep.index)
         path = output or Path(f"{sweep.name}_{shown}.png")
         check_picture(path, force=force)
-        with prefix_refusals(str(folder)):
+        with naming(folder):
             figure = sweep_drawing(sweep.index, sweep.name, shown, look=look)
     write_picture(path, lambda: figure, force=force, style=look.style)
 

@@ -14,7 +14,7 @@ from rubnoise.cli.derivation import ONE_WAY_ALONE, load_notes, load_rows, motion
 from rubnoise.cli.options import NUMBER
 from rubnoise.cli.vocabulary import UNITS, fields_of, named
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, naming
 from rubnoise.model import Model
 from rubnoise.theory.ancestors import velocity_weakening, white_noise
 from rubnoise.theory.coupling import third_octaves
@@ -188,10 +188,8 @@ def _estimated(theory: Exact, segment: int | None) -> Part:
     """Yield what Welch's method shows; text has bins evenly in the logarithm of their number."""
     if segment is None:
         return
-    try:
+    with naming("--segment"):
         seen = theory.estimated_spectrum(segment)
-    except Refused as refusal:
-        raise Refused(f"--segment: {refusal}") from refusal
     columns = fields_of(seen, "wavenumber density standard_error")
     if np.isnan(seen.standard_error).any():
         del columns["standard_error"]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from rubnoise.errors import Refused, how_to_install
+from rubnoise.errors import Refused, needing
 from rubnoise.figures import Style
 
 if TYPE_CHECKING:
@@ -69,14 +69,10 @@ SETTINGS: Final[dict[str, Any]] = {
 }
 
 
-class PicturesMissing(Refused):
-    """A picture cannot be drawn because matplotlib is not installed."""
-
-
 def new_figure(width: float, height: float) -> "Figure":
     """Return an empty figure of a size in inches, laid out so that nothing is cut off.
 
-    To be called, and drawn on, within ``house_style()``. Raises PicturesMissing without matplotlib.
+    To be called, and drawn on, within ``house_style()``. Raises ExtraMissing without matplotlib.
     """
     # Not through pyplot: it would look for a screen and keep every figure of the process.
     from matplotlib.figure import Figure
@@ -136,11 +132,9 @@ STYLES: Final[dict[Style, float]] = {"screen": 1.0, "paper": 0.72, "slides": 1.6
 
 @contextmanager
 def house_style(style: Style = "screen") -> Iterator[None]:
-    """Have figures made in our style within the context; raises PicturesMissing without matplotlib."""
-    try:
+    """Have figures made in our style within the context; raises ExtraMissing without matplotlib."""
+    with needing("plot", "a picture"):
         import matplotlib as mpl
-    except ImportError as problem:
-        raise PicturesMissing(f"a picture needs matplotlib: {how_to_install('plot')}") from problem
     # From the library's own defaults: a reader's matplotlibrc must not change what a figure says.
     settings: dict[Any, Any] = dict(mpl.rcParamsDefault)
     scaled = {name: STYLES[style] * size for name, size in SIZES.items()}

@@ -1,7 +1,6 @@
 """What a picture draws along a run: a stretch of it, and the rows of a quantity with what theory says of them."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import ceil, floor, inf, isnan
 from typing import Any, Final, Self
@@ -14,7 +13,7 @@ from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.selection import first_row
 from rubnoise.analysis.spectra import hann
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, naming
 from rubnoise.figures.style import shortened
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Reader, chunks, column_chunks
@@ -318,7 +317,7 @@ def tracks_of(stretch: Stretch, beside: Stretch | None, name: str) -> list[Track
     """Return a quantity in a stretch, and in that of a run drawn over it; raises Refused for runs without it."""
     found = [Track.of(stretch, name)]
     if beside is not None:
-        with prefix_refusals(f"--with {beside.file.path}"):
+        with naming(f"--with {beside.file.path}"):
             found.append(Track.of(beside, name))
     return found
 
@@ -327,12 +326,3 @@ def at_the_same(tracks: Sequence[Track]) -> list[Track]:
     """Return the shown part of the first track, and the same times of the others; raises Refused if one ends before."""
     first = tracks[0].shown()
     return [first, *(other.between(*first.ends) for other in tracks[1:])]
-
-
-@contextmanager
-def prefix_refusals(what: str) -> Iterator[None]:
-    """Put a prefix in front of the message of a refusal."""
-    try:
-        yield
-    except Refused as refusal:
-        raise type(refusal)(f"{what}: {refusal}") from refusal

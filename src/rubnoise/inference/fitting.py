@@ -272,8 +272,7 @@ class Fit:
     residual: Doubles
     scatter: Doubles
 
-    def __repr__(self) -> str:
-        return fields_as_text(self)
+    __repr__ = fields_as_text
 
     def error(self, powers: dict[str, float]) -> float:
         """Return the standard error of the logarithm of a product of powers of parameters."""

@@ -9,7 +9,6 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Offset, Pulse, Shape, pulse_of
-from rubnoise.errors import Refused
 from rubnoise.inference.estimates import NOTHING, Assumed, Estimate, IfSpread, assumptions, by_spread, estimated, wider
 from rubnoise.inference.fitting import STEPS, Contact, Fit, FitProblem, Given, covariance, deviance, score, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
@@ -134,10 +133,7 @@ def infer_signal(
 
     Strokes of both ways show the zero themselves. ``strength`` in MPa is E[psi], if it is known; ``masked`` are
     ranges in cycles per um that are left out; ``drift`` adds a random walk; ``assumed`` are the assumptions.
-    Raises Refused for a law that is not one of LAWS, and for values that are not a trace.
     """
-    if law != "auto" and law not in POPULATIONS:
-        raise Refused(f"law=: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
     values = np.asarray(signal.values, dtype=np.float64)
     if reason := _no_trace(values, signal, zero):
         return InferenceResult(signal=signal, refused_because=reason)

@@ -14,13 +14,13 @@ from rubnoise.analysis.sound import Sound, level_of
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused
+from rubnoise.errors import ExtraMissing, Refused
 from rubnoise.figure_names import STATES
 from rubnoise.figures import Kind
 from rubnoise.figures.catalogue import drawing, sweep_drawing
 from rubnoise.figures.fits import contact_figure
 from rubnoise.figures.study import key_label, quantities_of, quantity_words
-from rubnoise.figures.style import PicturesMissing, drawn
+from rubnoise.figures.style import drawn
 from rubnoise.figures.tracks import Stretch
 from rubnoise.pages.report_words import in_words
 from rubnoise.record.reader import Reader
@@ -62,7 +62,7 @@ Between = Callable[[], None]
 def run_report(file: Reader, text: str, between: Between) -> str:
     """Return the report of a finished run with the text of its numbers; ``between`` is called and may raise to stop.
 
-    Parts that a run does not have, such as a sound without a slider, are left out. Raises PicturesMissing without
+    Parts that a run does not have, such as a sound without a slider, are left out. Raises ExtraMissing without
     matplotlib.
     """
     stretch, origin = Stretch.of(file), file.provenance
@@ -108,7 +108,7 @@ def _picture(caption: str, draw: "Callable[..., Figure]", *of: Any, **how: Any) 
     """Return what a function draws, with a caption; nothing of a run that does not have it."""
     try:
         content = drawn(draw, *of, **how)
-    except PicturesMissing:
+    except ExtraMissing:
         raise
     except Refused:
         return ""
@@ -188,7 +188,7 @@ _PEAK: Final = 0.7
 def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
     """Return the page: the text of the command, five panes, the sound of the area, and the scenario as it is written.
 
-    ``scenario`` are the keywords of `SlidingContact.scenario_text`. Raises PicturesMissing without matplotlib.
+    ``scenario`` are the keywords of `SlidingContact.scenario_text`. Raises ExtraMissing without matplotlib.
     """
     shown = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
     sections = {

@@ -9,13 +9,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from datetime import date, datetime, time
-from difflib import get_close_matches
 from fractions import Fraction
 from inspect import cleandoc
 from math import isfinite
 from typing import Any, Final
 
 from rubnoise.contact.laws import LAWS
+from rubnoise.errors import did_you_mean
 from rubnoise.units import LENGTH, NUMBER, RATIO, Kind, Quantity, Unfit, is_of_pint, quantity_of, read_quantity
 
 TITLE_CHARACTERS: Final = 200
@@ -125,7 +125,7 @@ class Choice(Field):
             return value
         if not isinstance(value, str):
             raise Unfit(f"needs a word in quotation marks, not {_named(value)}", available)
-        raise Unfit(f'unknown value "{value[:40]}"', did_you_mean(value, self.available, quoted=True) or available)
+        raise Unfit(f'unknown value "{value[:40]}"', did_you_mean(value, self.available, quote='"') or available)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,13 +146,6 @@ class Line(Field):
         if value and not any(unicodedata.category(each)[0] in "LNPS" and each != _BLANK for each in value):
             raise Unfit("holds nothing that can be seen", "leave it out, or say what the run is about")
         return value
-
-
-def did_you_mean(word: str, known: tuple[str, ...], *, quoted: bool = False) -> str:
-    """Return a suggestion from the known words, or an empty text."""
-    close = get_close_matches(word[:40].lower(), known, n=1, cutoff=0.6)
-    mark = '"' if quoted else ""
-    return f"did you mean {mark}{close[0]}{mark}?" if close else ""
 
 
 def _no_double(value: float) -> str:

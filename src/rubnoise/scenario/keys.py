@@ -8,8 +8,9 @@ from typing import Any, Final
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import OFF_CENTRE
+from rubnoise.errors import did_you_mean
 from rubnoise.scenario.document import SECTIONS, STRENGTH_LAWS, SWEEP, TOP, Document, Sliding, Sweeping, presence
-from rubnoise.scenario.fields import Key, did_you_mean, keys_of
+from rubnoise.scenario.fields import Key, keys_of
 from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES
 from rubnoise.scenario.scenario import CONTACT, RAYLEIGH, completed
 from rubnoise.scenario.text import Layers, Path, Problem, toml_value
@@ -120,10 +121,8 @@ def unknown(layers: Layers, path: Path) -> Problem:
     if name == SWEEP:
         homes = tuple(f"{SWEEP}.{GRID}.{home}" for home in homes[:2])
     known = KNOWN[name] if len(path) > 1 and name in KNOWN else (*TOP, *KNOWN)
-    if homes and homes != (".".join(map(str, path)),):
-        hint = f"did you mean {' or '.join(homes)}?"
-    else:
-        hint = did_you_mean(word, known) or f"known here: {', '.join(known)}"
+    meant = () if homes == (".".join(map(str, path)),) else homes
+    hint = did_you_mean(word, known, meant) or f"known here: {', '.join(known)}"
     return layers.problem(path, what, hint, place=layers.key_place(path))
 
 

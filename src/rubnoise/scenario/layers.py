@@ -10,8 +10,8 @@ from typing import Any, Final, Self
 
 import numpy as np
 
-from rubnoise.errors import Refused, ScenarioRefused
-from rubnoise.regular_file import NotRegular, read_at_most
+from rubnoise.errors import Refused, ScenarioRefused, refusing_files
+from rubnoise.regular_file import read_at_most
 from rubnoise.scenario.document import FORMAT
 from rubnoise.scenario.shipped import shipped, shipped_names
 from rubnoise.scenario.text import FILE_BYTES, LONGEST_LINE, Layers, Origin, Place, Problem, paths_of, read_toml, report
@@ -194,13 +194,8 @@ def _not_extended(source: Layers, message: str) -> list[Problem]:
 
 
 def _text_of_file(path: FilePath, name: str) -> str:
-    try:
+    with refusing_files(name, ScenarioRefused):
         content = read_at_most(path, FILE_BYTES + 1)
-    except NotRegular as error:
-        raise ScenarioRefused(f"{name}: {error.strerror}") from None
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise ScenarioRefused(f"{name}: cannot be read: {reason[:1].lower()}{reason[1:]}") from None
     if len(content) > FILE_BYTES:
         raise ScenarioRefused(f"{name}: larger than {FILE_BYTES // 1024} kB")
     try:

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
+from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused, advised, did_you_mean
 from rubnoise.model import CELLS
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
 from rubnoise.scenario.document import SECTIONS, SWEEP, TOP
-from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
+from rubnoise.scenario.fields import Sizes, keys_of
 from rubnoise.scenario.scenario import Scenario, sized
 from rubnoise.scenario.text import Layers, Problem, in_order, report
 from rubnoise.units import Unfit
@@ -200,5 +200,4 @@ def place_of(name: str, values: Mapping[str, Any], said: str, value: Any = "") -
         meant = " or ".join(f'"{home}.{name}"' for home in homes)
         raise ScenarioRefused(f"{said}: {name} is a key of several tables: say {meant}")
     known = (*TOP, *SECTIONS, *(key for kind in SECTIONS.values() for key in keys_of(kind)))
-    hint = did_you_mean(name, tuple(dict.fromkeys(known)))
-    raise ScenarioRefused(f"{said}: no key {name}" + (f"; {hint}" if hint else ""))
+    raise ScenarioRefused(advised(f"{said}: no key {name}", did_you_mean(name, known)))

@@ -13,7 +13,7 @@ from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.distributions import Law
 from rubnoise.contact.laws import LAWS, Spread, law_for
 from rubnoise.contact.pulses import pulse_of
-from rubnoise.errors import ScenarioRefused
+from rubnoise.errors import ScenarioRefused, refusing_files
 from rubnoise.model import CELLS, FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.scenario.fields import Section, keys_of, ratio_of
@@ -97,11 +97,9 @@ class Scenario(sections.Document):
         if place.exists() and not force:
             raise ScenarioRefused(f"{place}: exists already; force=True replaces it")
         part = place.with_name(f".{place.name}.part")
-        try:
+        with refusing_files(place, ScenarioRefused, "cannot be written: "):
             part.write_text(self.to_toml(), encoding="utf-8")
             part.replace(place)
-        except OSError as problem:
-            raise ScenarioRefused(f"{place}: cannot be written: {problem.strerror}") from problem
         return place
 
     def model(self) -> Model:

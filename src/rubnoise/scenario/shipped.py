@@ -2,10 +2,9 @@
 
 import os
 import tomllib
-from difflib import get_close_matches
 from pathlib import Path
 
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, advised, did_you_mean
 
 _PACKAGE = Path(__file__).parents[1]
 _HOMES = (_PACKAGE / "shipped_scenarios", _PACKAGE.parents[1] / "scenarios")
@@ -28,18 +27,16 @@ def shipped(name: str) -> Path:
     files, wanted = _files(), _bare(name)
     if wanted in files:
         return files[wanted]
-    near = _near(wanted)
-    raise Refused(f"{name}: no scenario of rubnoise's" + (f"; did you mean {near}?" if near else ""))
+    raise Refused(advised(f"{name}: no scenario of rubnoise's", _advice(wanted)))
 
 
 def _bare(name: str) -> str:
     return name.removesuffix(".toml").removeprefix("scenarios/")
 
 
-def _near(name: str) -> str:
+def _advice(name: str) -> str:
     names = shipped_names()
-    alike = [each for each in names if each.rpartition("/")[2] == name]
-    return " or ".join(alike or get_close_matches(name, names, n=3))
+    return did_you_mean(name, names, [each for each in names if each.rpartition("/")[2] == name], most=3)
 
 
 def named(source: str | os.PathLike[str]) -> Path:
@@ -56,10 +53,9 @@ def named(source: str | os.PathLike[str]) -> Path:
         return path
     if _bare(text) in shipped_names():
         return shipped(text)
-    near = _near(text)
-    if path.suffix or not near:
+    if path.suffix or not (advice := _advice(text)):
         return path
-    raise Refused(f"{text}: neither a file nor a scenario of rubnoise's; did you mean {near}?")
+    raise Refused(f"{text}: neither a file nor a scenario of rubnoise's; {advice}")
 
 
 def shipped_titles() -> dict[str, str]:

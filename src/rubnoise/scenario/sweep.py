@@ -13,11 +13,11 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from rubnoise.errors import Refused, ScenarioRefused
+from rubnoise.errors import Refused, ScenarioRefused, did_you_mean
 from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.document import FEWEST, SECTIONS, SWEEP, SWEEP_RUNS, Keep, Sweeping
-from rubnoise.scenario.fields import did_you_mean, keys_of
+from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.keys import GRID, ZIP
 from rubnoise.scenario.reading import ReadSizes, checked, examined
 from rubnoise.scenario.scenario import Scenario
@@ -204,8 +204,8 @@ def _suggestion(key: str) -> str:
     named = [known for known in SWEPT if key in known.split(".")]
     if key in SWEPT:
         return f"write {key} without quotation marks: a dotted key stands for its table"
-    nearest = f"did you mean {' or '.join(named[:2])}?" if named else did_you_mean(key, SWEPT)
-    return nearest or "a key of a scenario with its table, such as interface.mean_junction_count"
+    usual = "a key of a scenario with its table, such as interface.mean_junction_count"
+    return did_you_mean(key, SWEPT, named[:2]) or usual
 
 
 def _axes_at_odds(given: Layers, axes: list[_Axis]) -> Iterator[Problem]:
@@ -295,8 +295,7 @@ class Sweep:
     keep: Keep = "runs"
     precision: Sweeping | None = None
 
-    def __repr__(self) -> str:
-        return fields_as_text(self)
+    __repr__ = fields_as_text
 
 
 def expand(sweep: Sweep) -> tuple[Point, ...]:

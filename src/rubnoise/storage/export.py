@@ -11,7 +11,7 @@ from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import chunks
 from rubnoise.storage.format import Unfailing
 from rubnoise.storage.layout import stored_groups
-from rubnoise.storage.output import PartFile, check_output, naming_file, part_file
+from rubnoise.storage.output import PartFile, check_output, part_file
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import CONVENTIONS, Dataset, Group, Scalar
 
@@ -119,7 +119,7 @@ def export(
     with ExitStack() as held:
         parts = [held.enter_context(part_file(path, force=force)) for path in files]
         for part, groups in zip(parts, files.values(), strict=True):
-            with naming_file(part.final):
+            with part.failing():
                 if kind == "netcdf":
                     _write_netcdf(part, file, groups, between)
                 elif kind == "parquet":
@@ -128,5 +128,5 @@ def export(
                     with part.path.open("w", encoding="ascii", newline="") as stream:
                         write_csv(stream, file, groups[0], between)
         for part in parts:
-            with naming_file(part.final):
+            with part.failing():
                 part.finish()

@@ -9,14 +9,14 @@ import os
 import stat
 import warnings
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Final
 
-from rubnoise.errors import OutputRefused, RubnoiseError
+from rubnoise.errors import OutputRefused, RubnoiseError, reason_of, refusing_files
 from rubnoise.regular_file import lock
 
 PATIENCE_SECONDS: Final = 0.3  # longer than a copy of a process that has ended keeps its lock
@@ -93,6 +93,10 @@ class PartFile:
     force: bool
     stays: bool = False
 
+    def failing(self) -> AbstractContextManager[None]:
+        """Return what turns an error of the disk into a RubnoiseError that names the file."""
+        return refusing_files(self.final, RubnoiseError, "writing failed: ")
+
     def reserve(self, size: int, descriptor: int | None = None) -> None:
         """Take the disk space of the file, or of another one that belongs to it; raises OutputRefused without room."""
         if not size or not hasattr(os, "posix_fallocate"):  # which macOS lacks
@@ -145,12 +149,8 @@ class PartFile:
 def part_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[PartFile]:
     """Yield the new part of a result, removed at the end if it is not final; raises OutputRefused or OutputInUse."""
     final, name = check_output(path, force=force), part_of(path)
-    try:
-        descriptor = _locked(name)
-    except BlockingIOError as problem:
-        raise OutputInUse(f"{final}: another process is writing it") from problem
-    except OSError as problem:
-        raise OutputRefused(f"{final}: cannot be written: {reason_of(problem)}") from problem
+    with refusing_files(final, OutputRefused, "cannot be written: "):
+        descriptor = _locked(name, final)
     part = PartFile(final=final, path=name, descriptor=descriptor, force=force)
     try:
         check_output(path, force=force)  # another process may have just written it
@@ -161,7 +161,7 @@ def part_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[PartFile
         os.close(descriptor)
 
 
-def _locked(part: Path) -> int:
+def _locked(part: Path, final: Path) -> int:
     """Return the descriptor of a part that exists or is made, locked, before anything in it is changed.
 
     While a process waits for the lock, the file may get its final name. So the name must still lead to the open file.
@@ -169,7 +169,7 @@ def _locked(part: Path) -> int:
     while True:
         descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         try:
-            _wait_for_lock(descriptor)
+            _wait_for_lock(descriptor, final)
             if _leads_to(part, descriptor):
                 return descriptor
         except BaseException:
@@ -178,15 +178,15 @@ def _locked(part: Path) -> int:
         os.close(descriptor)
 
 
-def _wait_for_lock(descriptor: int) -> None:
-    """Lock a file if the system has locks; raises BlockingIOError if another process holds it longer than a moment."""
+def _wait_for_lock(descriptor: int, final: Path) -> None:
+    """Lock a file if the system has locks; raises OutputInUse if another process holds it longer than a moment."""
     deadline = monotonic() + PATIENCE_SECONDS
     while True:
         try:
             return lock(descriptor)
-        except BlockingIOError:
+        except BlockingIOError as problem:
             if monotonic() > deadline:
-                raise
+                raise OutputInUse(f"{final}: another process is writing it") from problem
             sleep(PATIENCE_SECONDS / 100)
         except OSError:
             return _note("this file system has no locks: never write one result by two processes at once")
@@ -196,11 +196,6 @@ def _note(text: str) -> None:
     warnings.warn(text, WrittenWithLess, stacklevel=2)
 
 
-def reason_of(problem: Exception) -> str:
-    """Return why the disk failed, in the words of the system if it has any."""
-    return (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
-
-
 @contextmanager
 def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     """Yield a temporary path to write a file; when the block ends, the file is flushed to disk and renamed.
@@ -208,15 +203,6 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     Raises OutputRefused, before anything is created, if nothing may or can be written, RubnoiseError if the disk
     fails. If the block raises, the file is removed.
     """
-    with part_file(path, force=force) as part, naming_file(path):
+    with part_file(path, force=force) as part, part.failing():
         yield part.path
         part.finish()
-
-
-@contextmanager
-def naming_file(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Turn an error of the disk into a RubnoiseError that names the file."""
-    try:
-        yield
-    except OSError as problem:
-        raise RubnoiseError(f"{Path(path).absolute()}: writing failed: {reason_of(problem)}") from problem

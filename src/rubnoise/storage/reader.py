@@ -18,7 +18,7 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
-from rubnoise.errors import RunFileRefused
+from rubnoise.errors import RunFileRefused, naming, refusing_files
 from rubnoise.record.reader import column_chunks
 from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
 from rubnoise.storage import inventory, objects, schema
@@ -197,12 +197,18 @@ def _reopened(path: Path, seal: str) -> RunFile:
 @contextmanager
 def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
     """Put the path of the file in front of the message of a refusal."""
+    with naming(path), refusing_files(path, RunFileRefused):
+        yield
+
+
+@contextmanager
+def calculating(source: object) -> Iterator[None]:
+    """Say of values that no run has which result holds them, since its rows may hold anything."""
     try:
         yield
-    except RunFileRefused as refusal:
-        raise type(refusal)(f"{path}: {refusal}") from refusal
-    except OSError as problem:
-        raise RunFileRefused(f"{path}: {(problem.strerror or str(problem)).lower()}") from problem
+    except (ArithmeticError, ValueError, IndexError) as problem:
+        reason = " ".join(str(problem).split())
+        raise RunFileRefused(f"{source}: {reason}; verify says which values are wrong") from problem
 
 
 def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:

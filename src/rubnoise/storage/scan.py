@@ -3,6 +3,7 @@
 A text is a list of points with their places, which is put on a grid, or a matrix of heights.
 """
 
+import os
 import re
 import warnings
 from collections import Counter
@@ -18,7 +19,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, needing
-from rubnoise.regular_file import size_of
+from rubnoise.regular_file import open_stream
 from rubnoise.storage.measured import head_of
 from rubnoise.storage.text_table import ENCODINGS, begin_of
 from rubnoise.units import LENGTH, QuantityError, is_unit, read_quantity, spelled
@@ -58,7 +59,9 @@ def read_scan(path: Path, told: Told) -> Scan:
 
 def _read(library: Any, path: Path, told: Told) -> Scan:
     """Return the map of a file: of text by its lines, of others by the reader that knows them or fits the ending."""
-    if (held := size_of(path)) > MOST_BYTES:
+    with open_stream(path) as stream:
+        held = os.fstat(stream.fileno()).st_size
+    if held > MOST_BYTES:
         raise Refused(f"{path}: has {held:,} bytes; up to {MOST_BYTES:,} are read")
     fitting = [each for each in library.IO.readers if path.suffix.lower()[1:] in (each.file_extensions() or ())]
     others = [each for each in fitting if each.format() not in ("xyz", "asc")]

@@ -16,13 +16,13 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.arrays import CHUNK_ROWS, slices
-from rubnoise.errors import OutputRefused, RubnoiseError
+from rubnoise.errors import OutputRefused, RubnoiseError, refusing_files
 from rubnoise.record.sink import Columns
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.format import add_group, complete, compose, hdf5_on
 from rubnoise.storage.layout import Name, RunDescription, now, row_count, stored_groups
 from rubnoise.storage.life_curve import life_tables
-from rubnoise.storage.output import PartFile, naming_file, part_file, reason_of
+from rubnoise.storage.output import PartFile, part_file
 from rubnoise.storage.schema import Scalar
 
 SLACK_BYTES: Final = 1 << 16
@@ -45,10 +45,8 @@ class RunWriter:
         """Make the file with its structure and size; raises OutputRefused (see `part_file`; also for a full disk)."""
         with ExitStack() as opened:
             self._part = opened.enter_context(part_file(self.path, force=self._force))
-            try:
+            with refusing_files(self._part.final, OutputRefused, "cannot be written: "):
                 self._begin(self._part, opened)
-            except OSError as problem:
-                raise OutputRefused(f"{self._part.final}: cannot be written: {reason_of(problem)}") from problem
             self._open = opened.pop_all()
         return self
 
@@ -78,7 +76,7 @@ class RunWriter:
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Write rows of a group (see Sink)."""
-        with naming_file(self._part.final):
+        with self._part.failing():
             for name, values in columns.items():
                 self._columns[group, name].write(first_row, values)
 
@@ -88,7 +86,7 @@ class RunWriter:
         ``between`` is called now and then while rows are copied, and may raise to stop. Raises RubnoiseError if a
         column lacks rows, if the disk fails, or if, without ``force``, another process created the file meanwhile.
         """
-        with naming_file(self._part.final):
+        with self._part.failing():
             whole = dict[str, int]()
             for (group, name), column in self._columns.items():
                 right = whole.setdefault(group, column.rows if column.most is None else column.most)

@@ -10,7 +10,7 @@ from scipy import fft
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.streams import Stream, generator
+from rubnoise.streams import Stream, philox
 from rubnoise.surface.height_map import FEWEST_POINTS, HeightMap
 
 MOST_POINTS: Final = 8192  # a side of a synthetic map: it takes half a GB, and its transform twice as much
@@ -104,7 +104,7 @@ def self_affine(
     along, across = np.ix_(fft.fftfreq(points, spacing), fft.rfftfreq(points, spacing))
     frequency = np.maximum(np.hypot(along, across), 1.0 / rolloff)
     amplitude = np.where(_kept(along, across, cutoff), frequency ** (-1.0 - hurst), 0.0)
-    noise = generator(seed, Stream.SURFACE).standard_normal((points, points))
+    noise = np.random.Generator(philox(seed, Stream.SURFACE)).standard_normal((points, points))
     heights = fft.irfft2(fft.rfft2(noise) * amplitude, s=(points, points))
     heights -= heights.mean()
     heights *= roughness / np.sqrt(np.square(heights).mean())

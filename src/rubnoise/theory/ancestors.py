@@ -15,7 +15,7 @@ from rubnoise.real_numbers import number_in
 from rubnoise.theory.moments import force_cumulants
 from rubnoise.theory.motion import FORCE, density_of, drive_of, need_friction
 from rubnoise.theory.second_order import are_at_random, half_power_wavenumber
-from rubnoise.units import AREA, DENSITY, LENGTH, STRESS, Kind
+from rubnoise.units import AREA, DENSITY, LENGTH, STRESS
 from rubnoise.units import FORCE as FORCE_UNIT
 
 _FARTHEST = 12.0  # separations over the height scale, to either side, among which a load is looked for
@@ -169,8 +169,10 @@ def greenwood_williamson(
         raise Refused("heights are gaussian or exponential, and a regime elastic or plastic")
     sizes = (radius, LENGTH), (height, LENGTH), (density, DENSITY), (nominal_area, AREA), (modulus, STRESS)
     names = "radius", "height", "density", "nominal area", "modulus"
-    r, s, eta, nominal, stiff = (_positive(name, *each) for name, each in zip(names, sizes, strict=True))
-    hard = inf if hardness is None else _positive("hardness", hardness, STRESS)
+    r, s, eta, nominal, stiff = (
+        number_in(value, name, kind, positive=True) for name, (value, kind) in zip(names, sizes, strict=True)
+    )
+    hard = inf if hardness is None else number_in(hardness, "hardness", STRESS, positive=True)
     count, plastic, integral = eta * nominal, regime == "plastic", partial(height_integral, heights)
 
     def area_at(h: float) -> float:
@@ -185,7 +187,8 @@ def greenwood_williamson(
         from scipy.optimize import brentq
 
         least = 0.0 if heights == "exponential" else -_FARTHEST
-        wanted, fewest, most = _positive("load", load, FORCE_UNIT), load_at(_FARTHEST), load_at(least)
+        wanted = number_in(load, "load", FORCE_UNIT, positive=True)
+        fewest, most = load_at(_FARTHEST), load_at(least)
         if not fewest <= wanted <= most:
             raise Refused(f"a load of {wanted:g} uN: this surface carries {fewest:.3g} to {most:.3g} uN")
         h = float(brentq(lambda h: load_at(h) - wanted, least, _FARTHEST, xtol=1e-14, rtol=1e-14))
@@ -196,10 +199,3 @@ def greenwood_williamson(
     area, force = area_at(h), load_at(h)
     pressure, plasticity = force / area if area else 0.0, None if hardness is None else stiff / hard * sqrt(s / r)
     return RoughContact(h * s, force, area, count * integral(0.0, h), pressure, plasticity)
-
-
-def _positive(name: str, value: Any, kind: Kind) -> float:
-    number = number_in(value, name, kind)
-    if not 0.0 < number < inf:
-        raise Refused(f"{name}: must be above 0")
-    return number

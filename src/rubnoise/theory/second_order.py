@@ -14,7 +14,7 @@ Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); 
 
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from math import ceil, inf, isfinite, log2, pi, sqrt
+from math import ceil, isfinite, log2, pi, sqrt
 from typing import Final
 
 import numpy as np
@@ -25,9 +25,10 @@ from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.distributions import Fixed, Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.real_numbers import real_number
+from rubnoise.real_numbers import number_in
 from rubnoise.theory.sizes import longest_life, over_phases, over_sizes, panels, size_range, sizes_of
 from rubnoise.theory.unit_pulse import UnitLife, area_life, count_life, energy, from_birth, overlaps
+from rubnoise.units import LENGTH
 
 _ROUNDING, _VISIBLE = 1e-12, 1e-26
 _MOST_TICKS, _FEW_TICKS, _LAG_PANELS = 512, 64, 32
@@ -135,9 +136,7 @@ class ShotNoise:
 
     def expected_mean(self, distance: float | None = None) -> float:
         """Return the expected mean over a run, or its first ``distance`` um, from the model's start."""
-        slid = self.model.distance if distance is None else real_number(distance, "distance", "um")
-        if not 0.0 < slid < inf:
-            raise Refused(f"a mean over {slid:g} um of sliding: the distance is a number above 0")
+        slid = self.model.distance if distance is None else number_in(distance, "distance", LENGTH, positive=True)
         if self.model.start == "stationary":
             return self.mean
         reach = min(slid, longest_life(self.model))

@@ -1,0 +1,24 @@
+"""How objects of Python show themselves: a heading over a table, as text and as the HTML of notebooks."""
+
+from collections.abc import Sequence
+
+from rubnoise.tables import as_html, as_text, shortened
+
+Overview = tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[str]]
+"""A heading, the names of columns, their rows, and remarks."""
+
+
+class Shown:
+    """An object that is shown by its overview."""
+
+    def _overview(self) -> Overview:
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        heading, names, rows, remarks = self._overview()
+        lines = as_text([""] * len(names), rows) if rows else []
+        return shortened([heading, *(f"  {line}" for line in (*remarks, *lines))])
+
+    def _repr_html_(self) -> str:
+        heading, names, rows, remarks = self._overview()
+        return as_html(heading, names, rows, "\n".join(remarks))
