@@ -8,7 +8,7 @@ raising if a disk is full, so it writes through `hdf5_on`, and hears of no error
 import io
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.layout import Name, RunDescription, root_attributes, row_count, stored_groups
-from rubnoise.storage.schema import CHUNK_ROWS, HASH, Group, Scalar
+from rubnoise.storage.schema import CHUNK_ROWS, HASH, Dataset, Group, Scalar
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer, WriteableBuffer
@@ -96,7 +96,7 @@ def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
 
     Groups that grow, and all groups of a compressed file, are left out: they need their rows (see `add_group`).
     """
-    put_attributes(file.id, {**root_attributes(about), "NX_class": "NXroot", "default": "trace"})
+    put_attributes(file, {**root_attributes(about), "NX_class": "NXroot", "default": "trace"})
     places: dict[Name, int] = {}
     for group in stored_groups(about.features):
         rows = row_count(group, about.extent)
@@ -113,14 +113,14 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
     owner = _create_group(file, group.name)
     space = h5py.h5s.create_simple((rows,))
     creation = _storage(min(rows, CHUNK_ROWS) if compression == "gzip" else 0)
-    columns = {
-        column: h5py.h5d.create(owner, column.name.encode(), _number_kind(column.dtype), space, creation)
-        for column in group.columns
-    }
+    columns: dict[Dataset, h5py.Dataset] = {}
+    for column in group.columns:
+        kind = h5py.h5t.py_create(np.dtype(column.dtype), logical=True)
+        columns[column] = h5py.Dataset(h5py.h5d.create(owner.id, column.name.encode(), kind, space, creation))
     (first, scale), *rest = columns.items()
-    h5py.h5ds.set_scale(scale, first.name.encode())
+    scale.make_scale(first.name)
     for _, dataset in rest:
-        h5py.h5ds.attach_scale(dataset, scale, 0)
+        dataset.dims[0].attach_scale(scale)
     # NeXus tells viewers what to plot, one column: they draw further ones on the axis of the first, where a force of
     # 5e4 uN hides an area of 200 um^2.
     plot = {"NX_class": "NXdata", "signal": group.plotted, "axes": (first.name,)}
@@ -128,23 +128,20 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
     for column, dataset in columns.items():
         said = {**column.attributes, HASH: NO_HASH}
         put_attributes(dataset, {name: said[name] for name in sorted(said, key=lambda name: name.startswith("flag"))})
-    return {(group.name, column.name): dataset.get_offset() or 0 for column, dataset in columns.items()}
+    return {(group.name, column.name): dataset.id.get_offset() or 0 for column, dataset in columns.items()}
 
 
 def complete(
     file: h5py.File, about: RunDescription, digests: Mapping[Name, str], summary: Mapping[str, Scalar], finished: str
 ) -> None:
     """Write what is known only after the last row: hashes of the columns, summary, end time and seal."""
-    owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
+    owners = {group: file[group] for group, _ in digests}
     for (group, column), digest in digests.items():
-        h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
-    put_attributes(h5py.h5g.open(file.id, b"summary"), summary)
+        owners[group][column].attrs.modify(HASH, digest)
+    put_attributes(file["summary"], summary)
     origin = {**about.provenance, "finished": finished}
-    known = {"finished": finished, HASH: seal_of(*map(_as_stored, (root_attributes(about), summary, origin)))}
-    provenance = h5py.h5g.open(file.id, b"provenance")
-    for name in known:
-        h5py.h5a.delete(provenance, name.encode())
-    put_attributes(provenance, known)
+    seal = seal_of(*map(_as_stored, (root_attributes(about), summary, origin)))
+    put_attributes(file["provenance"], {"finished": finished, HASH: seal})
 
 
 def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenance: Mapping[str, Scalar]) -> str:
@@ -159,17 +156,20 @@ def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenanc
 def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return attributes as they are read back."""
     return {
-        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
-        for name, value in values.items()
+        name: as_bytes(value).item().decode() if isinstance(value, str) else value for name, value in values.items()
     }
 
 
-def text_bytes(text: str) -> bytes:
-    """Return a text as it is stored: invalid characters (lone surrogates) become escapes."""
-    return text.encode("utf-8", "backslashreplace")
+def as_bytes(texts: str | Sequence[str]) -> NDArray[np.bytes_]:
+    """Return one text or several as they are stored: invalid characters (lone surrogates) become escapes.
+
+    They are at least two bytes long, since h5netcdf does not decode single bytes.
+    """
+    raw = [text.encode("utf-8", "backslashreplace") for text in ([texts] if isinstance(texts, str) else texts)]
+    return np.array(raw[0] if isinstance(texts, str) else raw, dtype=f"S{max(2, *map(len, raw))}")
 
 
-def _create_group(file: h5py.File, name: str, *, notes: bool = False) -> h5py.h5g.GroupID:
+def _create_group(file: h5py.File, name: str, *, notes: bool = False) -> h5py.Group:
     """Create a group that keeps the order of its columns, or, if it is for ``notes``, of its attributes.
 
     All attributes of notes lie in the header: HDF5 has checksums for headers, and none for long texts stored elsewhere,
@@ -182,7 +182,7 @@ def _create_group(file: h5py.File, name: str, *, notes: bool = False) -> h5py.h5
         creation.set_attr_phase_change(1 << 15, 0)  # more than any group has
     else:
         creation.set_link_creation_order(in_order)
-    return h5py.h5g.create(file.id, name.encode(), gcpl=creation)
+    return h5py.Group(h5py.h5g.create(file.id, name.encode(), gcpl=creation))
 
 
 @cache
@@ -200,26 +200,9 @@ def _storage(chunk_rows: int) -> h5py.h5p.PropDCID:
     return creation
 
 
-def put_attributes(owner: h5py.h5g.GroupID | h5py.h5d.DatasetID, values: Mapping[str, Any]) -> None:
-    """Write new attributes, numbers, arrays or texts, by HDF5's own calls: h5py's take longer than a short run."""
+def put_attributes(owner: h5py.HLObject, values: Mapping[str, Any]) -> None:
+    """Write attributes: numbers, arrays, texts or tuples of texts."""
     for name, value in values.items():
-        if isinstance(value, str | tuple):
-            stored, kind = _text(value)
-        else:
-            stored = np.asarray(value)
-            kind = _number_kind(stored.dtype.str)
-        space = h5py.h5s.create_simple(stored.shape) if stored.ndim else h5py.h5s.create(h5py.h5s.SCALAR)
-        h5py.h5a.create(owner, name.encode(), kind, space).write(stored, kind)
-
-
-def _text(text: str | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
-    """Return one text or a list of texts, at least two bytes long, since h5netcdf does not decode single bytes."""
-    raw = [text_bytes(item) for item in ([text] if isinstance(text, str) else text)]
-    size = max(2, *map(len, raw))
-    kind = h5py.h5t.py_create(h5py.string_dtype("utf-8", size), logical=True)
-    return np.array(raw[0] if isinstance(text, str) else raw, dtype=f"S{size}"), kind
-
-
-@cache
-def _number_kind(dtype: str) -> h5py.h5t.TypeID:
-    return h5py.h5t.py_create(np.dtype(dtype), logical=True)
+        stored = as_bytes(value) if isinstance(value, str | tuple) else np.asarray(value)
+        text = h5py.string_dtype("utf-8", stored.itemsize) if stored.dtype.kind == "S" else None
+        owner.attrs.create(name, stored, dtype=text)
