@@ -7,7 +7,6 @@ raising if a disk is full, so it writes through `hdf5_on`, and hears of no error
 
 import io
 import json
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -30,65 +29,59 @@ GZIP_LEVEL: Final = 4
 NO_HASH: Final = "0" * 32  # what stands in place of a hash until the rows are there
 
 
-class Unfailing(io.RawIOBase):
+class Unfailing(io.FileIO):
     """A file on disk that hides errors from HDF5: the first error is kept, to be raised later."""
 
     def __init__(self, descriptor: int) -> None:
-        self._descriptor = descriptor
-        self._position, self._size = 0, os.fstat(descriptor).st_size
-        self._failure: OSError | None = None
+        super().__init__(descriptor, "r+", closefd=False)
+        self.failure: OSError | None = None
 
-    def seek(self, offset: int, whence: int = os.SEEK_SET, /) -> int:
-        """Move to a position, and return it."""
-        base = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}[whence]
-        self._position = base + offset
-        return self._position
+    @contextmanager
+    def _hiding(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as failure:
+            self.failure = self.failure or failure
 
     def truncate(self, size: int | None = None, /) -> int:
-        """Set the size that the file gets at the end, and return it."""
-        self._size = self._position if size is None else size
-        return self._size
+        """Set the size of the file, and return it."""
+        size = self.tell() if size is None else size
+        with self._hiding():
+            super().truncate(size)
+        return size
 
     def readinto(self, buffer: "WriteableBuffer", /) -> int:
         """Fill the buffer from the disk, with zeros beyond its end and if the disk fails."""
-        target, found = memoryview(buffer).cast("B"), 0
-        if self._failure is None:
-            try:
-                found = read_into(self._descriptor, target, self._position)
-            except OSError as failure:
-                self._failure = failure
-        target[found:] = bytes(len(target) - found)
-        self._position += len(target)
+        target = memoryview(buffer).cast("B")
+        target[:] = bytes(len(target))
+        with self._hiding():
+            read_into(self.fileno(), target, self.tell())
         return len(target)
 
     def write(self, data: "ReadableBuffer", /) -> int:
-        """Write to the disk, or drop the bytes after an error."""
+        """Write to the disk if it does not fail."""
         source = memoryview(data).cast("B")
-        if self._failure is None:
-            try:
-                write_all(self._descriptor, source, self._position)
-            except OSError as failure:
-                self._failure = failure
-        self._position += len(source)
-        self._size = max(self._size, self._position)
+        with self._hiding():
+            write_all(self.fileno(), source, self.tell())
         return len(source)
 
-    def raise_first_error(self) -> None:
-        """Raise the first error, or give the file its final size."""
-        if self._failure is not None:
-            raise self._failure
-        os.ftruncate(self._descriptor, self._size)
+
+@contextmanager
+def unfailing(descriptor: int) -> Iterator[Unfailing]:
+    """Yield an open file for HDF5 to write into; raises OSError afterwards if the disk failed."""
+    target = Unfailing(descriptor)
+    try:
+        yield target
+    finally:
+        if target.failure is not None:
+            raise target.failure
 
 
 @contextmanager
 def hdf5_on(descriptor: int, mode: str) -> Iterator[h5py.File]:
     """Open a file with HDF5 to write into it; raises OSError afterwards if the disk failed."""
-    target = Unfailing(descriptor)
-    try:
-        with h5py.File(target, mode, libver=LIBRARY_VERSIONS) as file:
-            yield file
-    finally:
-        target.raise_first_error()
+    with unfailing(descriptor) as target, h5py.File(target, mode, libver=LIBRARY_VERSIONS) as file:
+        yield file
 
 
 def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
