@@ -6,7 +6,7 @@ import shutil
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, floor
 from mmap import PAGESIZE
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import Final, cast
 
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
-from rubnoise.record.sink import Extent
+from rubnoise.record.sink import Extent, extent_of
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.draws import PROGRAM_BYTES, Engine, extent, working_bytes
 from rubnoise.storage.layout import expected_bytes, features_of
@@ -70,7 +70,7 @@ def expected(scenario: Scenario) -> Budget:
     """
     scenario.check_size()
     model = scenario.model()
-    return _budget(scenario, Extent.of(model, round(expected_junction_rows(model))))
+    return _budget(scenario, extent_of(model, round(expected_junction_rows(model))))
 
 
 def _budget(scenario: Scenario, rows: Extent) -> Budget:
@@ -82,12 +82,12 @@ def _budget(scenario: Scenario, rows: Extent) -> Budget:
     beside = size if scenario.output.compression == "gzip" else columns - expected_bytes(rows, features)
     return Budget(
         scenario=scenario,
-        junctions=round(expected_junction_rows(model)) if rows.junctions is None else rows.junctions,
-        ticks=rows.ticks,
+        junctions=round(expected_junction_rows(model)) if rows["junctions"] is None else rows["junctions"],
+        ticks=model.tick_count + 1,
         result_bytes=size,
         disk_bytes=size + beside,
         working_bytes=working_bytes(model, cast(Engine, scenario.run.engine)),
-        slider_rows_at_most=most.slider if model.is_two_way else None,
+        slider_rows_at_most=most["slider"] if model.is_two_way else None,
     )
 
 
@@ -103,9 +103,9 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
     """
     if model.free is not None:
         touches = 4 * round(expected_junction_rows(model)) + 1000
-        return replace(rows, junctions=touches, landmarks=2 * touches)
+        return {**rows, "junctions": touches, "landmarks": 2 * touches}
     slider, speed = model.slider, model.sliding_speed
-    if slider is None or speed is None or model.strengths is None or rows.slider is not None:
+    if slider is None or speed is None or model.strengths is None or rows["slider"] is not None:
         return rows
     force, motion = force_cumulants(model), response(model)
     push = (force.mean + FAR * force.std) / slider.stiffness
@@ -114,7 +114,7 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
     )
     moments = floor((model.distance + highest - model.equilibrium_displacement) / model.tick) + 2
     periods = moments * (model.tick / speed) * slider.natural_frequency
-    return replace(rows, slider=moments, landmarks=ceil(4.0 * periods) + 16)
+    return {**rows, "slider": moments, "landmarks": ceil(4.0 * periods) + 16}
 
 
 def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
