@@ -76,8 +76,8 @@ def _write_parquet(part: PartFile, file: RunFile, group: Group, between: Callabl
     fields = []
     for column in group.columns:
         about = {"units": column.units, "long_name": column.long_name, "symbol": column.symbol}
-        if codes := column.coded[1]:
-            about["flags"] = " ".join(f"{number}:{meaning}" for number, meaning in codes)
+        if column.codes:
+            about["flags"] = " ".join(f"{number}:{meaning}" for number, meaning in column.codes)
         fields.append(pa.field(column.name, pa.from_numpy_dtype(column.dtype), nullable=False, metadata=about))
     metadata = {"group": group.name, "long_name": group.long_name} | origin(file)
     schema = pa.schema(fields, metadata={name: str(value) for name, value in metadata.items()})
