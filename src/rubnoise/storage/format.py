@@ -7,6 +7,7 @@ raising if a disk is full, so it writes through `hdf5_on`, and hears of no error
 
 import io
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -47,7 +48,7 @@ class Unfailing(io.FileIO):
         """Set the size of the file, and return it."""
         size = self.tell() if size is None else size
         with self._hiding():
-            super().truncate(size)
+            os.ftruncate(self.fileno(), size)
         return size
 
     def readinto(self, buffer: "WriteableBuffer", /) -> int:
