@@ -33,12 +33,11 @@ DEFLATE_RATIO: Final = 1032  # the most that deflate can expand: more rows than 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ColumnPlace:
-    """Where the rows of a column lie in their file, and their hash; the offset is 0 without rows, and for chunks."""
+    """Where the rows of a column lie in their file; the offset is 0 without rows, and for chunks."""
 
     offset: int
     rows: int
     dtype: str
-    digest: str
 
 
 def opened_by_hdf5(path: str | os.PathLike[str], descriptor: int) -> h5py.File:
@@ -126,7 +125,7 @@ def sound_column(owner: h5py.Group, column: Dataset, file_size: int) -> ColumnPl
         )
     if not whole:
         raise RunFileRefused(f"{path} is not stored as our files store it")
-    return ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype, digest=stored_hash(dataset))
+    return ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype)
 
 
 def rows_of_chunks(dataset: h5py.Dataset, first: int, last: int) -> NDArray[Any]:
