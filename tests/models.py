@@ -24,7 +24,6 @@ from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, Pulse
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.record.reader import MemoryRecord
-from rubnoise.record.sink import Extent
 from rubnoise.simulation.draws import draw_block, extent, past, start
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import LiveRows, State
@@ -219,7 +218,7 @@ def among(model: Model, junctions: LiveRows, *, displacement: float, cells: int 
     most: landmarks after which the run may stop, if there are so many.
     """
     run = replace(_two_way(model, cells), start="empty")
-    record = MemoryRecord(Extent(junctions=len(junctions), ticks=0, slider=None, landmarks=None))
+    record = MemoryRecord({"slider": None, "landmarks": None, "balance": 1})
     motion = _motion(run, 1, record, junctions, displacement)
     for known in [*np.linspace(0.0, model.distance, 51)[1:-1].tolist(), model.distance]:
         motion.through(LiveRows.none(), known)

@@ -85,9 +85,8 @@ def _present(group: Group) -> str:
 
 
 def _column(column: Dataset) -> str:
-    _, codes = column.coded
     present = [NEEDS[column.needs]] if column.needs else []
-    meaning = "; ".join([column.long_name, *(f"{number} {name}" for number, name in codes), *present])
+    meaning = "; ".join([column.long_name, *(f"{number} {name}" for number, name in column.codes), *present])
     return f"- `{column.name}`{TYPES[column.dtype]} (`{column.symbol}`, {column.units}): {meaning}"
 
 

@@ -152,13 +152,6 @@ class Model:
         return None if self.sliding_speed is None else self.tick / self.sliding_speed
 
     @property
-    def slider_rows(self) -> int | None:
-        """Number of rows of /slider: one per tick, 0 without a slider; None if only the run itself can tell."""
-        if self.is_two_way:
-            return None
-        return 0 if self.slider is None else self.tick_count + 1
-
-    @property
     def is_two_way(self) -> bool:
         """Whether the motion of a slider changes the sliding distance."""
         return self.slider is not None and self.slider.coupling == "two-way"

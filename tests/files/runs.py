@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 import rubnoise
 from rubnoise.contact.pulses import LENS, OFF_CENTRE
-from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import RunDescription, row_count, stored_groups
 from rubnoise.storage.schema import LIFE_CURVE, LIFE_TABLE, Dataset, Feature
 from rubnoise.storage.writer import RunWriter
@@ -48,12 +47,14 @@ def describe(
 ) -> RunDescription:
     return RunDescription(
         title="a small run of µm",
-        extent=Extent(
-            junctions=junctions,
-            ticks=ticks,
-            slider=slider if "slider" in features else 0,
-            landmarks=5 if "two-way" in features else 0,
-        ),
+        extent={
+            "junctions": junctions,
+            "trace": ticks,
+            "slider": slider if "slider" in features else 0,
+            "landmarks": 5 if "two-way" in features else 0,
+            "load": 0,
+            "balance": 1,
+        },
         features=features,
         compression=compression,
         pulse=OFF_CENTRE["lens"] if "offset" in features else LENS,

@@ -181,8 +181,8 @@ def test_a_diameter_less_by_one_bit_is_seen(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_a_short_run_is_the_beginning_of_a_long_one():
     short, long = recorded(model(distance=700.0)), recorded(model(distance=900.0))
-    rows = short.extent.junctions
+    rows = short.extent["junctions"]
     assert np.array_equal(short["junctions"]["birth_distance"], long["junctions"]["birth_distance"][:rows])
-    ticks = short.extent.ticks
+    ticks = short.extent["trace"]
     for group, column in (("trace", "real_contact_area"), ("slider", "velocity")):
         assert np.array_equal(short[group][column], long[group][column][:ticks])

@@ -88,7 +88,7 @@ def test_every_row_and_tick_is_sound(run):
 
 def test_no_birth_at_all_is_a_run():
     record = recorded(bare(count=0.01, distance=5.0, tick=0.1, start="empty"))
-    assert record.extent.junctions == 0
+    assert record.extent["junctions"] == 0
     assert not record["trace"]["real_contact_area"].any()
 
 

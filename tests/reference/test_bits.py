@@ -38,10 +38,10 @@ def test_a_slider_that_pushes_back_has_them_by_both_engines(name: str) -> None:
 
 def test_the_runs_are_long_enough_to_pass_blocks_and_draw_from_every_stream() -> None:
     assert STREAM_VERSION == 2
-    assert recorded(RUNS["figure 5"], SEED).extent.junctions > 9_500
-    assert recorded(RUNS["wide sizes, slow, from empty"], SEED).extent.junctions > 300
+    assert recorded(RUNS["figure 5"], SEED).extent["junctions"] > 9_500
+    assert recorded(RUNS["wide sizes, slow, from empty"], SEED).extent["junctions"] > 300
     assert all(
-        recorded(run, SEED).extent.junctions > 1_000 for name, run in RUNS.items() if "tri" in name or "reg" in name
+        recorded(run, SEED).extent["junctions"] > 1_000 for name, run in RUNS.items() if "tri" in name or "reg" in name
     )
 
 

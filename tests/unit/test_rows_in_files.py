@@ -10,7 +10,6 @@ import rubnoise
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import MemoryRecord
-from rubnoise.record.sink import Extent
 from rubnoise.scenario.reading import stored
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve
 
@@ -102,7 +101,7 @@ def test_a_pulse_that_nobody_knows_is_refused(text: str) -> None:
 
 
 def test_a_record_in_memory_grows() -> None:
-    record, values = MemoryRecord(Extent(junctions=0, ticks=0, slider=None)), np.arange(1000.0)
+    record, values = MemoryRecord({"slider": None}), np.arange(1000.0)
     for first, last in ((0, 3), (3, 10), (10, 11), (11, 1000)):
         record.write("slider", first, {"time": values[first:last], "velocity": -values[first:last]})
     assert record["slider"]["time"].tobytes() == values.tobytes()

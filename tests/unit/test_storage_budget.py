@@ -122,7 +122,7 @@ def test_a_two_way_run_has_no_more_rows_than_are_told(speed: str, count: float) 
 
 def test_memory_is_refused_with_the_count_or_the_engine_named(monkeypatch: pytest.MonkeyPatch) -> None:
     events, batch = (_with(BARE, *DENSE, f"run.engine={engine}") for engine in ("events", "batch"))
-    more = expected(batch).more_bytes + 10**7
+    more = expected(batch).peak_bytes - memory_in_use() + 10**7
     _with_room(monkeypatch, memory=more)
     check_disk_space(expected(batch), "run.h5")
     assert 'run.engine = "batch"' in _refusal(events, expected(events))

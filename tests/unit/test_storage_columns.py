@@ -43,9 +43,9 @@ def test_every_column_has_the_unit_of_its_quantity() -> None:
 
 def test_values_are_those_of_the_motion() -> None:
     (phase,) = (column for column in SLIDER.columns if column.name == "phase")
-    assert dict(phase.values) == {pushing.SLIP: "slip", pushing.STUCK: "stick", pushing.REVERSED: "reversal"}
+    assert dict(phase.codes) == {pushing.SLIP: "slip", pushing.STUCK: "stick", pushing.REVERSED: "reversal"}
     (kind,) = (column for column in LANDMARKS.columns if column.name == "kind")
-    assert dict(kind.values) == {
+    assert dict(kind.codes) == {
         pushing.STICK: "stick", pushing.BREAKAWAY: "slip", pushing.REVERSAL: "reversal", pushing.FORWARD: "forward",
         CONTACT_LOST: "contact_lost", CONTACT_MADE: "contact_made",
     }  # fmt: skip
@@ -53,4 +53,4 @@ def test_values_are_those_of_the_motion() -> None:
 
 def test_flags_are_the_states_of_the_record() -> None:
     (state,) = (column for column in JUNCTIONS.columns if column.name == "state")
-    assert dict(state.flags) == {member.value: (member.name or "").lower() for member in JunctionState if member.value}
+    assert dict(state.codes) == {member.value: (member.name or "").lower() for member in JunctionState if member.value}

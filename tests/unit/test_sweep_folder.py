@@ -87,26 +87,25 @@ def test_a_sweep_that_has_the_same_points_and_others_goes_on(
 
 
 @pytest.mark.parametrize(
-    ("table", "changes", "said"),
+    ("table", "changes"),
     [
-        (SMALL, ("sliding.distance=300 um",), "sliding.distance is 100 um there, and 300 um here"),
-        (SMALL, ("run.seed=2",), "its seed is of another run.seed"),
-        (SMALL, ("interface.calibration=paper",), "interface.calibration is matched there, and paper here"),
-        (SMALL, ("strength.mean=1 MPa",), "strength.law is not given there, and constant here"),
-        (
-            SMALL.replace("[10, 20]", "[10, 30]"),
-            (),
-            "it is of a point that this sweep lacks: interface.mean_junction_count = 20",
-        ),
+        (SMALL, ("sliding.distance=300 um",)),
+        (SMALL, ("run.seed=2",)),
+        (SMALL, ("interface.calibration=paper",)),
+        (SMALL, ("strength.mean=1 MPa",)),
+        (SMALL.replace("[10, 20]", "[10, 30]"), ()),
     ],
 )
-def test_runs_of_another_scenario_are_refused_with_the_difference_or_left(
-    tmp_path: Path, folder: Path, table: str, changes: tuple[str, ...], said: str
+def test_runs_of_another_scenario_are_refused_by_name_or_left(
+    tmp_path: Path, folder: Path, table: str, changes: tuple[str, ...]
 ) -> None:
     other, before = small(tmp_path, *changes, table=table), times(folder)
-    with pytest.raises(OutputRefused, match="holds the runs of another scenario") as refused:
+    with pytest.raises(
+        OutputRefused, match=r"holds the runs of another scenario, such as (runs/[0-9a-f]{16}\.h5)"
+    ) as refused:
         rubnoise.sweep(other, folder, jobs=1)
-    assert said in str(refused.value)
+    named = folder / str(refused.value).partition("such as ")[2].partition(";")[0]
+    assert named.exists()
     assert str(refused.value).endswith("; force=True leaves them beside the runs of this one")
     assert times(folder) == before
     with rubnoise.sweep(other, folder, jobs=1, force=True) as swept:

@@ -22,9 +22,7 @@ from rubnoise.storage.schema import JUNCTIONS, Dataset
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
 
 LONGEST: Final = 1000  # characters of a condition: no person writes a longer one
-STATES: Final = {"complete": 0} | {
-    name: bit for column in JUNCTIONS.columns if column.name == "state" for bit, name in column.flags
-}
+STATES: Final = {"complete": 0} | {name: bit for column in JUNCTIONS.columns for bit, name in column.codes}
 Choose = Callable[[Columns], NDArray[np.bool_]]
 """Returns for each row whether it is chosen, from the columns by name."""
 
@@ -70,7 +68,7 @@ class Condition:
             raise ConditionRefused(f"{said}: error: a condition of more than {LONGEST} characters")
         self._text, self._said = text.strip(), said
         self._known = {column.name: column for column in columns}
-        self._states = STATES if any(column.name == "state" and column.flags for column in columns) else {}
+        self._states = STATES if any(column.name == "state" and column.codes for column in columns) else {}
         self._numbers = {found.start(): found for found in _QUANTITY.finditer(self._text)}
         self.columns: set[str] = set()
         self._tree = self._parsed()

@@ -84,7 +84,7 @@ def simulate(
     model, seed, budget = scenario.model(), scenario.run.seed, expected(scenario)
     check_memory(budget, kept_bytes=budget.result_bytes)
     intervention = "" if intervene is None else name_of(intervene)
-    kept = KeptRun(extent=extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
+    kept = KeptRun(extent=extent(model, seed), scenario=scenario, intervention=intervention)
     run_model(model, seed, kept, engine=cast(Engine, scenario.run.engine), observe=observe, intervene=intervene)
     kept.protect()
     return Record(kept)

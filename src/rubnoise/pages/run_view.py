@@ -88,7 +88,7 @@ def run_page(stretch: Stretch) -> str:
         "count": {"mean": model.mean_junction_count} if stretch.has_theory else None,
         "weight": model.load if model.held is not None else None,
         "meanLife": model.mean_life_distance,
-        "states": {name: bit for column in JUNCTIONS.columns for bit, name in column.flags},
+        "states": {name: bit for column in JUNCTIONS.columns for bit, name in column.codes},
         "units": _units(),
         "junctionRows": file.rows("junctions"),
         "junctions": _lives(stretch),

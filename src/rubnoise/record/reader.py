@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import slices
-from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.record.sink import Columns, Extent
 
 Attributes = Mapping[str, float | int | str]
@@ -81,12 +80,11 @@ def column_chunks(
 class MemoryRecord:
     """The columns of a run as arrays: ``record["trace"]["real_contact_area"]``, named as in a result file.
 
-    ``pulse`` is the shape of the lives in it. It takes rows as a Sink does, and gives them back as Rows.
+    It takes rows as a Sink does, and gives them back as Rows.
     """
 
     extent: Extent
     groups: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
-    pulse: Pulse = LENS
     _room: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict, repr=False)
 
     def __getitem__(self, group: str) -> dict[str, NDArray[Any]]:
@@ -107,7 +105,7 @@ class MemoryRecord:
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Keep rows of a group (see Sink); where their number is not known, there is room for twice as many."""
-        rows, end = self.extent.rows(group), first_row + next(iter(columns.values())).size
+        rows, end = self.extent[group], first_row + next(iter(columns.values())).size
         room = self._room.get(group)
         if room is None or end > next(iter(room.values())).size:
             size, before = 2 * end if rows is None else rows, self.groups.get(group, {})

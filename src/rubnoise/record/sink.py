@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, Self
+from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
@@ -11,50 +11,34 @@ from rubnoise.model import Model
 Columns = Mapping[str, NDArray[Any]]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Extent:
-    """The number of rows of each group of a run, known exactly before its first event.
+Extent = Mapping[str, int | None]
+"""The number of rows of each group of a run, known before its first event, by its name in a result file.
 
-    None: the rows grow with the run, and only its end tells their number. junctions: None under a slider that
-    may leave its contact; slider: 0 without one, None in a two-way run; landmarks: None in either of these, else 0;
-    balance: a row in a two-way run; load: 0 without one that weighs.
+0: the run has none; None: the rows grow with the run, and only its end tells their number.
+"""
+
+
+def extent_of(model: Model, junctions: int) -> Extent:
+    """Return the extent of a run of a model with so many junctions, if its motion does not decide that.
+
+    Junctions grow under a slider that may leave its contact, /slider in a two-way run, and landmarks in either.
     """
-
-    junctions: int | None
-    ticks: int
-    slider: int | None
-    landmarks: int | None = 0
-    load: int = 0
-
-    @classmethod
-    def of(cls, model: Model, junctions: int) -> Self:
-        """Return the extent of a run of a model with so many junctions, if its motion does not decide that."""
-        ticks, free = model.tick_count + 1, model.free is not None
-        return cls(
-            junctions=None if free else junctions,
-            ticks=ticks,
-            slider=model.slider_rows,
-            landmarks=None if free or model.is_two_way else 0,
-            load=0 if model.held is None else ticks,
-        )
-
-    def rows(self, group: str) -> int | None:
-        """Return the number of rows of a group that is named as in a result file; None if it grows."""
-        return {
-            "junctions": self.junctions,
-            "trace": self.ticks,
-            "slider": self.slider,
-            "load": self.load,
-            "landmarks": self.landmarks,
-            "balance": 0 if self.landmarks == 0 else 1,
-        }[group]
+    ticks, grows = model.tick_count + 1, model.free is not None or model.is_two_way
+    return {
+        "junctions": junctions if model.free is None else None,
+        "trace": ticks,
+        "slider": None if model.is_two_way else 0 if model.slider is None else ticks,
+        "load": 0 if model.held is None else ticks,
+        "landmarks": None if grows else 0,
+        "balance": 1 if model.is_two_way else 0,
+    }
 
 
 class Sink(Protocol):
     """Keeps columns of rows; groups and columns are named as in a result file."""
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Keep rows ``first_row``... of a group, such as "junctions" or "trace"; `Extent.rows` knows them all.
+        """Keep rows ``first_row``... of a group, such as "junctions" or "trace"; an `Extent` has them all.
 
         Rows come in order and without gaps; a row of "junctions" may come again when its junction is ended early.
         """

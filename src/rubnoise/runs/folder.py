@@ -24,7 +24,7 @@ from rubnoise.runs.making import describe, play
 from rubnoise.scenario.document import SECTIONS, Keep
 from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep import Point, Sweep, name_of
+from rubnoise.scenario.sweep import Case, Point, Sweep, name_of
 from rubnoise.simulation.draws import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
@@ -173,10 +173,7 @@ def index_of(
     sweep: Sweep, points: Sequence[Point], found: Mapping[str, Figures], failed: Mapping[str, str], command: str
 ) -> Index:
     """Return the index of a sweep: runs that were ``found``, that ``failed`` for a reason, and that are planned."""
-    firsts: dict[tuple[Any, ...], Point] = {}
-    for point in points:
-        firsts.setdefault(tuple(point.values.values()), point)
-    places = {values: number for number, values in enumerate(firsts)}
+    places = {tuple(case.values.values()): number for number, case in enumerate(sweep.cases)}
     numbers, rows = [places[tuple(point.values.values())] for point in points], list[tuple[Any, ...]]()
     for row, (point, number) in enumerate(zip(points, numbers, strict=True)):
         name = point.run_id
@@ -185,27 +182,27 @@ def index_of(
         reason = in_few(failed[name]) if state == FAILED else ""
         rows.append((row, name, number, point.replicate, point.seed, file, state, reason))
     about = [_column(*each, values) for each, values in zip(ABOUT.items(), zip(*rows, strict=True), strict=True)]
-    keys = [_swept(key, [point.scenario for point in firsts.values()]) for key in sweep.keys]
+    keys = [_swept(key, [case.scenario for case in sweep.cases]) for key in sweep.keys]
     of_points = [
-        _column("point", "number of the point", range(len(firsts))),
-        _column("values", "swept values as written, as JSON", [*map(_values_of, firsts.values())]),
+        _column("point", "number of the point", range(len(sweep.cases))),
+        _column("values", "swept values as written, as JSON", [*map(_values_of, sweep.cases)]),
         *keys,
     ]
     swept, runs = [replace(key, values=key.values[numbers]) for key in keys], [found.get(row[1], {}) for row in rows]
     of_runs = [*about[:4], *swept, *about[4:], *figure_columns(runs)]
     return Index(
-        texts=_texts(sweep, next(iter(firsts.values())).scenario, command),
+        texts=_texts(sweep, points[0].scenario, command),
         points={column.about.name: column for column in of_points},
         runs={column.about.name: column for column in of_runs},
-        summaries=_summaries(runs, numbers, len(firsts)),
+        summaries=_summaries(runs, numbers, len(sweep.cases)),
     )
 
 
-def _values_of(point: Point) -> str:
+def _values_of(case: Case) -> str:
     """Return the swept values of a point as written, with the sizes of a swept file, which may go, as JSON."""
-    found = dict(point.values)
+    found = dict(case.values)
     if not found.keys().isdisjoint(("diameter.file", "diameter.column")):
-        sizes = point.scenario.resolved()["diameter"]
+        sizes = case.scenario.resolved()["diameter"]
         found |= {f"diameter.{name}": sizes[name] for name in ("values", "hash")}
     return json.dumps(found)
 

@@ -3,7 +3,6 @@
 A run that another process is making is left to it. Who makes runs is an executor (see `executors`).
 """
 
-import json
 import os
 import re
 import time
@@ -22,8 +21,7 @@ from rubnoise.regular_file import INDEX
 from rubnoise.runs import executors
 from rubnoise.runs.executors import Failed
 from rubnoise.runs.folder import RUNS, Figures, file_of, found, index_of, known_runs, made, name_in, read
-from rubnoise.scenario.scenario import flattened
-from rubnoise.scenario.sweep import Case, Point, Sweep, in_words, points_of, run_id
+from rubnoise.scenario.sweep import Case, Point, Sweep, points_of, run_id
 from rubnoise.storage.forecast import check_sweep_space
 from rubnoise.storage.index import index_bytes
 from rubnoise.storage.layout import this_command
@@ -90,8 +88,6 @@ class AdaptiveReplicates:
 # What belongs to a folder.
 _SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
 _RUN: Final = re.compile(r"[0-9a-f]{16}(?:\.h5|\.npz)")
-_FREE: Final = ("title", "run.engine", "run.seed", "output.tick")
-"""Keys that the names of points do not depend on, and the tick, whose default follows from the others."""
 
 
 def check_folder(root: Path) -> None:
@@ -121,27 +117,10 @@ def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
     more = cache(lambda name: {point.run_id for point in points_of([cases[name]], len(others) + len(known))})
     for path in others:
         with suppress(RunFileRefused):
-            resolved, _ = read(path)
-            name, reason = name_in(resolved, path, seed), "its seed is of another run.seed"
-            if name not in cases:
-                reason = _difference(resolved, sweep)
-            elif path.stem in more(name):
-                continue
-            remedy = "force=True leaves them beside the runs of this one"
-            raise OutputRefused(f"{root}: holds the runs of another scenario; {path.stem}: {reason}; {remedy}")
-
-
-def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
-    """Return in what a run differs from all points of a sweep, which differ among themselves in the swept keys."""
-    if not resolved:
-        return "this version makes other bits of its scenario"
-    there = flattened(resolved)
-    here = flattened(json.loads(json.dumps(sweep.cases[0].scenario.resolved())))
-    for key in sorted((here.keys() | there.keys()) - {*_FREE, *sweep.keys}):
-        one, other = there.get(key, "not given"), here.get(key, "not given")
-        if one != other:
-            return f"{key} is {one} there, and {other} here"
-    return f"it is of a point that this sweep lacks: {in_words({key: there.get(key) for key in sweep.keys})}"
+            name = name_in(read(path)[0], path, seed)
+            if name not in cases or path.stem not in more(name):
+                holds = f"holds the runs of another scenario, such as {RUNS}/{path.name}"
+                raise OutputRefused(f"{root}: {holds}; force=True leaves them beside the runs of this one")
 
 
 def in_shard(shard: str, whole: Iterable[str]) -> set[str]:

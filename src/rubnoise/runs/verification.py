@@ -28,7 +28,7 @@ from rubnoise.errors import RubnoiseError, RunFileRefused
 from rubnoise.figure_names import DONE
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import JunctionState
-from rubnoise.record.sink import Columns, Extent, Tee
+from rubnoise.record.sink import Columns, Tee, extent_of
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import RUNS, SUFFIXES, Figures, figures_in, name_in, numbers_in, read, scenario_in, summarised
 from rubnoise.runs.making import describe
@@ -174,14 +174,9 @@ def _check_hashes(check: Check, run: RunFile) -> list[str]:
 def _check_description(structure: Check, attributes: Check, scenario: Scenario, run: RunFile) -> None:
     """Compare objects, attributes and types with those of a file that is composed from the scenario."""
     model = scenario.model()
-    rows = {group: run.rows(group) or None for group in run.columns}
-    extent = Extent(
-        junctions=rows["junctions"],
-        ticks=model.tick_count + 1,
-        slider=model.slider_rows or rows.get("slider", 0),
-        landmarks=rows.get("landmarks", 0),
-        load=rows.get("load") or 0,
-    )
+    rows = {group: run.rows(group) for group in run.columns}
+    known = extent_of(model, rows["junctions"])
+    extent = {group: rows.get(group, 0) if count is None else count for group, count in known.items()}
     right = describe(scenario, run.path, (), str(run.provenance.get(INTERVENTION, "")), extent)
     right = right if scenario.title else replace(right, title=str(run.attributes["title"]))
     both = found, expected = run.inventory(), expected_inventory(right)

@@ -139,17 +139,9 @@ class Scenario(sections.Document):
         return shortened([f"{self.title or 'a scenario'} ({self.name})", *lines])
 
     def _repr_html_(self) -> str:
-        rows = [(key, value) for key, value in flattened(self.resolved()).items() if "." in key]
+        tables = {name: table for name, table in self.resolved().items() if isinstance(table, Mapping)}
+        rows = [(f"{name}.{key}", value) for name, table in tables.items() for key, value in table.items()]
         return as_html(f"{self.title or 'a scenario'} ({self.name})", ("key", "value"), rows, "\n".join(self.warnings))
-
-
-def flattened(resolved: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a resolved scenario as a flat table with dotted keys; an empty table has its own key."""
-    found: dict[str, Any] = {}
-    for name, value in resolved.items():
-        tables = isinstance(value, Mapping) and value
-        found |= {f"{name}.{key}": each for key, each in value.items()} if tables else {name: value}
-    return found
 
 
 _ROUNDING, _STEPS = 1e-14, 300

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles
 from rubnoise.contact.distributions import largest_of
 from rubnoise.model import Model
-from rubnoise.record.sink import Extent
+from rubnoise.record.sink import Extent, extent_of
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, cells_per_tick
 from rubnoise.streams import Stream, uniforms
@@ -101,7 +101,7 @@ Engine = Literal["events", "batch"]
 
 def extent(model: Model, seed: int) -> Extent:
     """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
-    return Extent.of(model, 0 if model.free else start(model, seed).junctions + count_births(model, seed))
+    return extent_of(model, 0 if model.free else start(model, seed).junctions + count_births(model, seed))
 
 
 PROGRAM_BYTES: Final = 225_000_000

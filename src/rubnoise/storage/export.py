@@ -9,7 +9,7 @@ import numpy as np
 
 from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import chunks
-from rubnoise.storage.format import Unfailing
+from rubnoise.storage.format import unfailing
 from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.output import PartFile, check_output, part_file
 from rubnoise.storage.reader import RunFile
@@ -53,23 +53,19 @@ def _write_netcdf(part: PartFile, file: RunFile, groups: Sequence[Group], betwee
     """Write one group into the root, or several as groups, with units and origin as attributes."""
     with needing("analysis", "export --to netcdf"):
         import h5netcdf
-    target = Unfailing(part.descriptor)
-    try:
-        with h5netcdf.File(target, "w") as written:
-            written.attrs.update(origin(file))
-            for group in groups:
-                owner, dimension = written.create_group(group.name) if len(groups) > 1 else written, group.columns[0]
-                owner.attrs["long_name"] = group.long_name
-                owner.dimensions = {dimension.name: file.rows(group.name)}
+    with unfailing(part.descriptor) as target, h5netcdf.File(target, "w") as written:
+        written.attrs.update(origin(file))
+        for group in groups:
+            owner, dimension = written.create_group(group.name) if len(groups) > 1 else written, group.columns[0]
+            owner.attrs["long_name"] = group.long_name
+            owner.dimensions = {dimension.name: file.rows(group.name)}
+            for column in group.columns:
+                variable = owner.create_variable(column.name, (dimension.name,), np.dtype(column.dtype))
+                variable.attrs.update(column.attributes)
+            for chunk in chunks(file, group.name):
                 for column in group.columns:
-                    variable = owner.create_variable(column.name, (dimension.name,), np.dtype(column.dtype))
-                    variable.attrs.update(column.attributes)
-                for chunk in chunks(file, group.name):
-                    for column in group.columns:
-                        owner[column.name][chunk.first : chunk.end] = chunk[column.name]
-                    between()
-    finally:
-        target.raise_first_error()
+                    owner[column.name][chunk.first : chunk.end] = chunk[column.name]
+                between()
 
 
 def _write_parquet(part: PartFile, file: RunFile, group: Group, between: Callable[[], None]) -> None:
@@ -80,8 +76,8 @@ def _write_parquet(part: PartFile, file: RunFile, group: Group, between: Callabl
     fields = []
     for column in group.columns:
         about = {"units": column.units, "long_name": column.long_name, "symbol": column.symbol}
-        if codes := column.coded[1]:
-            about["flags"] = " ".join(f"{number}:{meaning}" for number, meaning in codes)
+        if column.codes:
+            about["flags"] = " ".join(f"{number}:{meaning}" for number, meaning in column.codes)
         fields.append(pa.field(column.name, pa.from_numpy_dtype(column.dtype), nullable=False, metadata=about))
     metadata = {"group": group.name, "long_name": group.long_name} | origin(file)
     schema = pa.schema(fields, metadata={name: str(value) for name, value in metadata.items()})

@@ -6,7 +6,7 @@ import shutil
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, floor
 from mmap import PAGESIZE
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import Final, cast
 
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
-from rubnoise.record.sink import Extent
+from rubnoise.record.sink import Extent, extent_of
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.draws import PROGRAM_BYTES, Engine, extent, working_bytes
 from rubnoise.storage.layout import expected_bytes, features_of
@@ -32,7 +32,7 @@ class Budget:
 
     result_bytes: of the result before compression, within some kilobytes; disk_bytes: what has to be free for it, with
     the rows that wait beside a part if it is compressed, or their number is not known; working_bytes: memory beside the
-    program's own, about, and with the engine batch; slider_rows_at_most: of /slider in a two-way run, None in others.
+    program's own, about; slider_rows_at_most: of /slider in a two-way run, None in others.
     """
 
     scenario: Scenario
@@ -41,18 +41,12 @@ class Budget:
     result_bytes: int
     disk_bytes: int
     working_bytes: int
-    batch_working_bytes: int
     slider_rows_at_most: int | None = None
 
     @property
     def peak_bytes(self) -> int:
         """About the peak memory of a process in bytes; for this process, with what it holds already."""
-        return memory_in_use() + self.more_bytes
-
-    @property
-    def more_bytes(self) -> int:
-        """About how many bytes this process would use beyond what it holds already."""
-        return max(PROGRAM_BYTES - memory_in_use(), 0) + self.working_bytes
+        return max(PROGRAM_BYTES, memory_in_use()) + self.working_bytes
 
     @property
     def fewer_rows(self) -> str:
@@ -76,7 +70,7 @@ def expected(scenario: Scenario) -> Budget:
     """
     scenario.check_size()
     model = scenario.model()
-    return _budget(scenario, Extent.of(model, round(expected_junction_rows(model))))
+    return _budget(scenario, extent_of(model, round(expected_junction_rows(model))))
 
 
 def _budget(scenario: Scenario, rows: Extent) -> Budget:
@@ -88,13 +82,12 @@ def _budget(scenario: Scenario, rows: Extent) -> Budget:
     beside = size if scenario.output.compression == "gzip" else columns - expected_bytes(rows, features)
     return Budget(
         scenario=scenario,
-        junctions=round(expected_junction_rows(model)) if rows.junctions is None else rows.junctions,
-        ticks=rows.ticks,
+        junctions=round(expected_junction_rows(model)) if rows["junctions"] is None else rows["junctions"],
+        ticks=model.tick_count + 1,
         result_bytes=size,
         disk_bytes=size + beside,
         working_bytes=working_bytes(model, cast(Engine, scenario.run.engine)),
-        batch_working_bytes=working_bytes(model, "batch"),
-        slider_rows_at_most=most.slider if model.is_two_way else None,
+        slider_rows_at_most=most["slider"] if model.is_two_way else None,
     )
 
 
@@ -110,9 +103,9 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
     """
     if model.free is not None:
         touches = 4 * round(expected_junction_rows(model)) + 1000
-        return replace(rows, junctions=touches, landmarks=2 * touches)
+        return {**rows, "junctions": touches, "landmarks": 2 * touches}
     slider, speed = model.slider, model.sliding_speed
-    if slider is None or speed is None or model.strengths is None or rows.slider is not None:
+    if slider is None or speed is None or model.strengths is None or rows["slider"] is not None:
         return rows
     force, motion = force_cumulants(model), response(model)
     push = (force.mean + FAR * force.std) / slider.stiffness
@@ -121,7 +114,7 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
     )
     moments = floor((model.distance + highest - model.equilibrium_displacement) / model.tick) + 2
     periods = moments * (model.tick / speed) * slider.natural_frequency
-    return replace(rows, slider=moments, landmarks=ceil(4.0 * periods) + 16)
+    return {**rows, "slider": moments, "landmarks": ceil(4.0 * periods) + 16}
 
 
 def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
@@ -138,13 +131,13 @@ def check_disk_space(budget: Budget, path: str | os.PathLike[str]) -> None:
 
 def check_memory(budget: Budget, *, kept_bytes: int = 0) -> None:
     """Raise Refused, naming keys to change, if memory is too small for a run and ``kept_bytes`` of its result."""
-    room, more, working = free_memory_bytes(), budget.more_bytes + kept_bytes, budget.working_bytes
+    room, more = free_memory_bytes(), budget.peak_bytes - memory_in_use() + kept_bytes
     if room is None or more <= room:
         return
     remedy = "make interface.mean_junction_count smaller"
-    if working <= kept_bytes:
+    if budget.working_bytes <= kept_bytes:
         remedy = budget.fewer_rows
-    elif more - room <= working - budget.batch_working_bytes:
+    elif more - room <= budget.working_bytes - working_bytes(budget.scenario.model(), "batch"):
         remedy = 'run.engine = "batch" needs less'
     raise _no_memory("the run needs", more, room, remedy, " more")
 

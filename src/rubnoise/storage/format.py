@@ -8,7 +8,7 @@ raising if a disk is full, so it writes through `hdf5_on`, and hears of no error
 import io
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.layout import Name, RunDescription, root_attributes, row_count, stored_groups
-from rubnoise.storage.schema import CHUNK_ROWS, HASH, Group, Scalar
+from rubnoise.storage.schema import CHUNK_ROWS, HASH, Dataset, Group, Scalar
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer, WriteableBuffer
@@ -30,65 +30,59 @@ GZIP_LEVEL: Final = 4
 NO_HASH: Final = "0" * 32  # what stands in place of a hash until the rows are there
 
 
-class Unfailing(io.RawIOBase):
+class Unfailing(io.FileIO):
     """A file on disk that hides errors from HDF5: the first error is kept, to be raised later."""
 
     def __init__(self, descriptor: int) -> None:
-        self._descriptor = descriptor
-        self._position, self._size = 0, os.fstat(descriptor).st_size
-        self._failure: OSError | None = None
+        super().__init__(descriptor, "r+", closefd=False)
+        self.failure: OSError | None = None
 
-    def seek(self, offset: int, whence: int = os.SEEK_SET, /) -> int:
-        """Move to a position, and return it."""
-        base = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}[whence]
-        self._position = base + offset
-        return self._position
+    @contextmanager
+    def _hiding(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as failure:
+            self.failure = self.failure or failure
 
     def truncate(self, size: int | None = None, /) -> int:
-        """Set the size that the file gets at the end, and return it."""
-        self._size = self._position if size is None else size
-        return self._size
+        """Set the size of the file, and return it."""
+        size = self.tell() if size is None else size
+        with self._hiding():
+            os.ftruncate(self.fileno(), size)
+        return size
 
     def readinto(self, buffer: "WriteableBuffer", /) -> int:
         """Fill the buffer from the disk, with zeros beyond its end and if the disk fails."""
-        target, found = memoryview(buffer).cast("B"), 0
-        if self._failure is None:
-            try:
-                found = read_into(self._descriptor, target, self._position)
-            except OSError as failure:
-                self._failure = failure
-        target[found:] = bytes(len(target) - found)
-        self._position += len(target)
+        target = memoryview(buffer).cast("B")
+        target[:] = bytes(len(target))
+        with self._hiding():
+            read_into(self.fileno(), target, self.tell())
         return len(target)
 
     def write(self, data: "ReadableBuffer", /) -> int:
-        """Write to the disk, or drop the bytes after an error."""
+        """Write to the disk if it does not fail."""
         source = memoryview(data).cast("B")
-        if self._failure is None:
-            try:
-                write_all(self._descriptor, source, self._position)
-            except OSError as failure:
-                self._failure = failure
-        self._position += len(source)
-        self._size = max(self._size, self._position)
+        with self._hiding():
+            write_all(self.fileno(), source, self.tell())
         return len(source)
 
-    def raise_first_error(self) -> None:
-        """Raise the first error, or give the file its final size."""
-        if self._failure is not None:
-            raise self._failure
-        os.ftruncate(self._descriptor, self._size)
+
+@contextmanager
+def unfailing(descriptor: int) -> Iterator[Unfailing]:
+    """Yield an open file for HDF5 to write into; raises OSError afterwards if the disk failed."""
+    target = Unfailing(descriptor)
+    try:
+        yield target
+    finally:
+        if target.failure is not None:
+            raise target.failure
 
 
 @contextmanager
 def hdf5_on(descriptor: int, mode: str) -> Iterator[h5py.File]:
     """Open a file with HDF5 to write into it; raises OSError afterwards if the disk failed."""
-    target = Unfailing(descriptor)
-    try:
-        with h5py.File(target, mode, libver=LIBRARY_VERSIONS) as file:
-            yield file
-    finally:
-        target.raise_first_error()
+    with unfailing(descriptor) as target, h5py.File(target, mode, libver=LIBRARY_VERSIONS) as file:
+        yield file
 
 
 def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
@@ -96,7 +90,7 @@ def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
 
     Groups that grow, and all groups of a compressed file, are left out: they need their rows (see `add_group`).
     """
-    put_attributes(file.id, {**root_attributes(about), "NX_class": "NXroot", "default": "trace"})
+    put_attributes(file, {**root_attributes(about), "NX_class": "NXroot", "default": "trace"})
     places: dict[Name, int] = {}
     for group in stored_groups(about.features):
         rows = row_count(group, about.extent)
@@ -113,14 +107,14 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
     owner = _create_group(file, group.name)
     space = h5py.h5s.create_simple((rows,))
     creation = _storage(min(rows, CHUNK_ROWS) if compression == "gzip" else 0)
-    columns = {
-        column: h5py.h5d.create(owner, column.name.encode(), _number_kind(column.dtype), space, creation)
-        for column in group.columns
-    }
+    columns: dict[Dataset, h5py.Dataset] = {}
+    for column in group.columns:
+        kind = h5py.h5t.py_create(np.dtype(column.dtype), logical=True)
+        columns[column] = h5py.Dataset(h5py.h5d.create(owner.id, column.name.encode(), kind, space, creation))
     (first, scale), *rest = columns.items()
-    h5py.h5ds.set_scale(scale, first.name.encode())
+    scale.make_scale(first.name)
     for _, dataset in rest:
-        h5py.h5ds.attach_scale(dataset, scale, 0)
+        dataset.dims[0].attach_scale(scale)
     # NeXus tells viewers what to plot, one column: they draw further ones on the axis of the first, where a force of
     # 5e4 uN hides an area of 200 um^2.
     plot = {"NX_class": "NXdata", "signal": group.plotted, "axes": (first.name,)}
@@ -128,23 +122,20 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
     for column, dataset in columns.items():
         said = {**column.attributes, HASH: NO_HASH}
         put_attributes(dataset, {name: said[name] for name in sorted(said, key=lambda name: name.startswith("flag"))})
-    return {(group.name, column.name): dataset.get_offset() or 0 for column, dataset in columns.items()}
+    return {(group.name, column.name): dataset.id.get_offset() or 0 for column, dataset in columns.items()}
 
 
 def complete(
     file: h5py.File, about: RunDescription, digests: Mapping[Name, str], summary: Mapping[str, Scalar], finished: str
 ) -> None:
     """Write what is known only after the last row: hashes of the columns, summary, end time and seal."""
-    owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
+    owners = {group: file[group] for group, _ in digests}
     for (group, column), digest in digests.items():
-        h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
-    put_attributes(h5py.h5g.open(file.id, b"summary"), summary)
+        owners[group][column].attrs.modify(HASH, digest)
+    put_attributes(file["summary"], summary)
     origin = {**about.provenance, "finished": finished}
-    known = {"finished": finished, HASH: seal_of(*map(_as_stored, (root_attributes(about), summary, origin)))}
-    provenance = h5py.h5g.open(file.id, b"provenance")
-    for name in known:
-        h5py.h5a.delete(provenance, name.encode())
-    put_attributes(provenance, known)
+    seal = seal_of(*map(_as_stored, (root_attributes(about), summary, origin)))
+    put_attributes(file["provenance"], {"finished": finished, HASH: seal})
 
 
 def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenance: Mapping[str, Scalar]) -> str:
@@ -159,17 +150,20 @@ def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenanc
 def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return attributes as they are read back."""
     return {
-        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
-        for name, value in values.items()
+        name: as_bytes(value).item().decode() if isinstance(value, str) else value for name, value in values.items()
     }
 
 
-def text_bytes(text: str) -> bytes:
-    """Return a text as it is stored: invalid characters (lone surrogates) become escapes."""
-    return text.encode("utf-8", "backslashreplace")
+def as_bytes(texts: str | Sequence[str]) -> NDArray[np.bytes_]:
+    """Return one text or several as they are stored: invalid characters (lone surrogates) become escapes.
+
+    They are at least two bytes long, since h5netcdf does not decode single bytes.
+    """
+    raw = [text.encode("utf-8", "backslashreplace") for text in ([texts] if isinstance(texts, str) else texts)]
+    return np.array(raw[0] if isinstance(texts, str) else raw, dtype=f"S{max(2, *map(len, raw))}")
 
 
-def _create_group(file: h5py.File, name: str, *, notes: bool = False) -> h5py.h5g.GroupID:
+def _create_group(file: h5py.File, name: str, *, notes: bool = False) -> h5py.Group:
     """Create a group that keeps the order of its columns, or, if it is for ``notes``, of its attributes.
 
     All attributes of notes lie in the header: HDF5 has checksums for headers, and none for long texts stored elsewhere,
@@ -182,7 +176,7 @@ def _create_group(file: h5py.File, name: str, *, notes: bool = False) -> h5py.h5
         creation.set_attr_phase_change(1 << 15, 0)  # more than any group has
     else:
         creation.set_link_creation_order(in_order)
-    return h5py.h5g.create(file.id, name.encode(), gcpl=creation)
+    return h5py.Group(h5py.h5g.create(file.id, name.encode(), gcpl=creation))
 
 
 @cache
@@ -200,26 +194,9 @@ def _storage(chunk_rows: int) -> h5py.h5p.PropDCID:
     return creation
 
 
-def put_attributes(owner: h5py.h5g.GroupID | h5py.h5d.DatasetID, values: Mapping[str, Any]) -> None:
-    """Write new attributes, numbers, arrays or texts, by HDF5's own calls: h5py's take longer than a short run."""
+def put_attributes(owner: h5py.HLObject, values: Mapping[str, Any]) -> None:
+    """Write attributes: numbers, arrays, texts or tuples of texts."""
     for name, value in values.items():
-        if isinstance(value, str | tuple):
-            stored, kind = _text(value)
-        else:
-            stored = np.asarray(value)
-            kind = _number_kind(stored.dtype.str)
-        space = h5py.h5s.create_simple(stored.shape) if stored.ndim else h5py.h5s.create(h5py.h5s.SCALAR)
-        h5py.h5a.create(owner, name.encode(), kind, space).write(stored, kind)
-
-
-def _text(text: str | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
-    """Return one text or a list of texts, at least two bytes long, since h5netcdf does not decode single bytes."""
-    raw = [text_bytes(item) for item in ([text] if isinstance(text, str) else text)]
-    size = max(2, *map(len, raw))
-    kind = h5py.h5t.py_create(h5py.string_dtype("utf-8", size), logical=True)
-    return np.array(raw[0] if isinstance(text, str) else raw, dtype=f"S{size}"), kind
-
-
-@cache
-def _number_kind(dtype: str) -> h5py.h5t.TypeID:
-    return h5py.h5t.py_create(np.dtype(dtype), logical=True)
+        stored = as_bytes(value) if isinstance(value, str | tuple) else np.asarray(value)
+        text = h5py.string_dtype("utf-8", stored.itemsize) if stored.dtype.kind == "S" else None
+        owner.attrs.create(name, stored, dtype=text)

@@ -19,7 +19,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.regular_file import open_stream
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
-from rubnoise.storage.format import LIBRARY_VERSIONS, put_attributes, text_bytes
+from rubnoise.storage.format import LIBRARY_VERSIONS, as_bytes, put_attributes
 from rubnoise.storage.objects import naming_damage, own_dataset, read_attribute, sound_group
 from rubnoise.storage.reader import SIGNATURE, refusing
 from rubnoise.storage.schema import CONVENTIONS, INDEX_FORMAT, Dataset
@@ -79,7 +79,7 @@ def index_bytes(index: Index) -> bytes:
     """Return the file of an index, made in memory: HDF5 ends the process instead of raising if a disk is full."""
     with h5py.File("index", "w", driver="core", backing_store=False, libver=LIBRARY_VERSIONS) as file:
         about = {"format_version": FORMAT_VERSION, "format": INDEX_FORMAT, "Conventions": CONVENTIONS}
-        put_attributes(file.id, {**about, "NX_class": "NXroot", **index.texts})
+        put_attributes(file, {**about, "NX_class": "NXroot", **index.texts})
         scales: dict[int, h5py.Dataset] = {}
         for group, filled in zip(GROUPS, (index.points, index.runs), strict=False):
             owner = file.create_group(group, track_order=True)
@@ -101,14 +101,10 @@ def sealed(content: bytes) -> bytes:
 
 
 def _put_column(owner: h5py.Group, column: Filled) -> h5py.Dataset:
-    """Create a column; texts are at least two bytes long, since h5netcdf does not decode single bytes."""
-    values = column.values
-    if values.dtype.kind == "U":
-        raw = [text_bytes(text) for text in values.tolist()]
-        values = np.array(raw, dtype=f"S{max(2, *map(len, raw))}")
+    values = as_bytes(column.values.tolist()) if column.values.dtype.kind == "U" else column.values
     dataset = owner.create_dataset(column.about.name, data=values)
     said = {"units": column.about.units, "long_name": column.about.long_name}
-    put_attributes(dataset.id, {name: text for name, text in said.items() if text})
+    put_attributes(dataset, {name: text for name, text in said.items() if text})
     return dataset
 
 

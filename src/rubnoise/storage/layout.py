@@ -113,8 +113,7 @@ def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
 
 def row_count(group: Group, extent: Extent) -> int | None:
     """Return the number of rows of a group, None if only the end of a run shows it."""
-    fixed = {"life_curve": CURVE_ROWS, "life_table": TABLE_ROWS}
-    return fixed.get(group.name) or extent.rows(group.name)
+    return {"life_curve": CURVE_ROWS, "life_table": TABLE_ROWS, **extent}[group.name]
 
 
 def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:

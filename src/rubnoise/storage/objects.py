@@ -33,12 +33,11 @@ DEFLATE_RATIO: Final = 1032  # the most that deflate can expand: more rows than 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ColumnPlace:
-    """Where the rows of a column lie in their file, and their hash; the offset is 0 without rows, and for chunks."""
+    """Where the rows of a column lie in their file; the offset is 0 without rows, and for chunks."""
 
     offset: int
     rows: int
     dtype: str
-    digest: str
 
 
 def opened_by_hdf5(path: str | os.PathLike[str], descriptor: int) -> h5py.File:
@@ -126,7 +125,7 @@ def sound_column(owner: h5py.Group, column: Dataset, file_size: int) -> ColumnPl
         )
     if not whole:
         raise RunFileRefused(f"{path} is not stored as our files store it")
-    return ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype, digest=stored_hash(dataset))
+    return ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype)
 
 
 def rows_of_chunks(dataset: h5py.Dataset, first: int, last: int) -> NDArray[Any]:
@@ -165,18 +164,15 @@ def read_attributes(owner: h5py.HLObject, kinds: Mapping[str, type | UnionType])
 
 def read_attribute(owner: h5py.HLObject, name: str, wanted: type | UnionType = Scalar) -> Any:
     """Return a scalar attribute: text of fixed length, an integer or a double; raises RunFileRefused otherwise."""
-    raw, place = name.encode(), f"{owner.name} attribute {name}"
-    if not h5py.h5a.exists(owner.id, raw):
+    place = f"{owner.name} attribute {name}"
+    if name not in owner.attrs:
         raise RunFileRefused(f"{place} is missing")
-    attribute = h5py.h5a.open(owner.id, raw)
-    kind = attribute.get_type()
-    text = isinstance(kind, h5py.h5t.TypeStringID) and not kind.is_variable_str()
-    plain = text or isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
-    if attribute.shape != () or kind.get_size() > ATTRIBUTE_BYTES or not plain:
+    attribute = owner.attrs.get_id(name)
+    if attribute.shape != () or attribute.get_storage_size() > ATTRIBUTE_BYTES or attribute.dtype.kind not in "Siuf":
         raise RunFileRefused(f"{place} is not a plain number or text")
-    value = np.empty((), dtype=kind.dtype)
-    attribute.read(value)  # by HDF5's own call: h5py's takes longer than all the rest of opening a file
-    found = value.item().decode("utf-8", "replace") if text else value.item()
+    value = np.empty((), attribute.dtype)
+    attribute.read(value)
+    found = value.item().decode("utf-8", "replace") if value.dtype.kind == "S" else value.item()
     if not isinstance(found, wanted):
         raise RunFileRefused(f"{place} is not {_WORDS.get(wanted, 'a number')}")
     return found

@@ -1,14 +1,14 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
-from collections.abc import Collection, Container, Iterator, Mapping, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from types import UnionType
 from typing import Any, Final, Literal
 
 import numpy as np
 
-from rubnoise.record.rows import ContactKind, LandmarkKind, Phase
+from rubnoise.record.rows import ContactKind, JunctionState, LandmarkKind, Phase
 
 Feature = Literal["speed", "strength", "slider", "two-way", "offset", "load", "free", "base"]
 """What a scenario may add to the bare contact: times, forces, a slider, that it pushes back, passes off the
@@ -66,7 +66,7 @@ Codes = tuple[tuple[int, str], ...]  # numbers, and what they mean
 class Dataset:
     """One dataset of one dimension; ``needs`` names the feature without which it is absent.
 
-    ``flags`` are the meanings of bits, ``values`` those of whole numbers.
+    ``codes`` are the meanings of its whole numbers, or of their ``bits``.
     """
 
     name: str
@@ -76,22 +76,17 @@ class Dataset:
     _: KW_ONLY
     dtype: str = "<f8"
     needs: str | None = None
-    flags: Codes = ()
-    values: Codes = ()
-
-    @property
-    def coded(self) -> tuple[str, Codes]:
-        """The attributes of the CF conventions that list its flags or values, and their meanings."""
-        return ("flag_values", self.values) if self.values else ("flag_masks", self.flags)
+    codes: Codes = ()
+    bits: bool = False
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Unit, meaning and symbol by name, and what the CF conventions say of its flags or values."""
+        """Unit, meaning and symbol by name, and what the CF conventions say of its codes."""
         said: dict[str, Any] = {"units": self.units, "long_name": self.long_name, "symbol": self.symbol}
-        attribute, codes = self.coded
-        if codes:
-            said[attribute] = np.array([number for number, _ in codes], dtype=self.dtype)
-            said["flag_meanings"] = " ".join(meaning for _, meaning in codes)
+        if self.codes:
+            numbers = np.array([number for number, _ in self.codes], dtype=self.dtype)
+            said["flag_masks" if self.bits else "flag_values"] = numbers
+            said["flag_meanings"] = " ".join(meaning for _, meaning in self.codes)
         return said
 
 
@@ -116,8 +111,8 @@ class Group:
         return replace(self, columns=tuple(columns), **said.get(self.name, {}))
 
 
-def _values(numbers: type[IntEnum]) -> Codes:
-    return tuple((number.value, number.name.lower()) for number in numbers)
+def _codes(numbers: Iterable[IntEnum | IntFlag]) -> Codes:
+    return tuple((number.value, str(number.name).lower()) for number in numbers)
 
 
 INSTEAD: Final[Mapping[tuple[str, Feature], Mapping[str, Any]]] = {
@@ -130,16 +125,16 @@ INSTEAD: Final[Mapping[tuple[str, Feature], Mapping[str, Any]]] = {
         "long_name": "where the slider loses contact, and makes it again",
         "plotted": "impact_speed",
     },
-    ("landmarks/kind", "two-way"): {"values": _values(LandmarkKind)},
+    ("landmarks/kind", "two-way"): {"codes": _codes(LandmarkKind)},
 }
 """What differs with a feature, of groups and columns by their paths."""
 
-_CODES: Final[Mapping[str, Mapping[str, Codes]]] = {
-    "state": {"flags": ((1, "alive_at_start"), (2, "alive_at_end"), (4, "ended_early"))},
-    "phase": {"values": _values(Phase)},
-    "kind": {"values": _values(LandmarkKind) + _values(ContactKind)},
+_CODES: Final = {
+    "state": _codes(JunctionState),
+    "phase": _codes(Phase),
+    "kind": _codes([*LandmarkKind, *ContactKind]),
 }
-"""Flags or values of columns that have some, by name."""
+"""Codes of columns that have some, by name; those of a state are bits."""
 
 _TABLE: Final = """
 /junctions      diameter          -             whole life of every junction, in order of birth
@@ -238,8 +233,9 @@ def _groups() -> Iterator[Group]:
 
 def _column(line: str) -> Dataset:
     name, units, symbol, dtype, needs, long_name = line.split(maxsplit=5)
-    codes, feature = _CODES.get(name, {}), None if needs == "-" else needs
-    return Dataset(name, units, symbol, " ".join(long_name.split()), dtype=dtype, needs=feature, **codes)
+    about, feature = " ".join(long_name.split()), None if needs == "-" else needs
+    codes = _CODES.get(name, ())
+    return Dataset(name, units, symbol, about, dtype=dtype, needs=feature, codes=codes, bits=name == "state")
 
 
 GROUPS: Final = tuple(_groups())
