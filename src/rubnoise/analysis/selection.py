@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.where import Choose
-from rubnoise.arrays import Doubles, slices
+from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse, area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows, chunks
 from rubnoise.record.rows import refuse_touches
 from rubnoise.scenario.reading import stored
 
-_AREAS_AT_ONCE: Final = 1 << 18  # their sum is taken piece by piece, so its last bits depend on it
 _CHECKED_ROWS: Final = (
     1 << 18
 )  # that a comparison reads at once: it sums up each chunk, so its last bits depend on them
@@ -88,13 +87,6 @@ class Neighbours:
         aside = None if self.offset is None else self.offset[:, np.newaxis]
         areas = area_of(self.pulse, distance - birth, self.diameter[:, np.newaxis], aside)
         return np.where((birth <= distance) & (distance < death), areas, 0.0)
-
-    def total_area(self, distance: Doubles) -> Doubles:
-        """Return the sum of their areas in um^2 at sliding distances in um; memory holds some junctions at a time."""
-        total = np.zeros(distance.size)
-        for part in slices(0, self.rows.size, max(1, _AREAS_AT_ONCE // max(1, distance.size))):
-            total += self.chosen(part).areas(distance).sum(axis=0)
-        return total
 
     def chosen(self, which: NDArray[np.bool_] | slice) -> Self:
         """Return some of the rows."""

@@ -1,14 +1,13 @@
 """One junction of a run."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.pulses import LENS, Pulse, area_of
+from rubnoise.analysis.life import JunctionRow
 from rubnoise.real_numbers import at_each
-from rubnoise.record.rows import JunctionState
 from rubnoise.storage import schema
 from rubnoise.tables import as_html
 
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Junction:
+class Junction(JunctionRow):
     """One junction's row: distances in um, area in um^2; times in s and strength in MPa if the run has them.
 
     >>> import rubnoise
@@ -28,19 +27,6 @@ class Junction:
     >>> bool(np.isclose(junction.area(middle), junction.max_area))
     True
     """
-
-    number: int
-    birth_distance: float
-    death_distance: float
-    life_distance: float
-    diameter: float
-    max_area: float
-    state: JunctionState
-    shear_strength: float | None = None
-    birth_time: float | None = None
-    death_time: float | None = None
-    lateral_offset: float | None = None
-    pulse: Pulse = field(default=LENS, repr=False)
 
     def area(self, distance: ArrayLike) -> NDArray[np.float64]:
         """Return its area in um^2 at sliding distances in um (any shape); 0 before birth and from death on.
@@ -53,8 +39,7 @@ class Junction:
 
     def _area(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
         alive = (self.birth_distance <= distance) & (distance < self.death_distance)
-        age = distance - self.birth_distance
-        return np.where(alive, area_of(self.pulse, age, self.diameter, self.lateral_offset), 0.0)
+        return np.where(alive, self.area_at_age(distance - self.birth_distance), 0.0)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the area over the sliding distance, from birth to death, and return the figure, that of ``ax``."""

@@ -1,4 +1,4 @@
-"""Junctions one by one: the contact from above, each pair at its own place; a run and one of its lives; one life."""
+"""Junctions one by one: the contact from above, each pair at its own place; a run and one of its lives."""
 
 from dataclasses import dataclass
 from math import ceil, pi, sqrt
@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.life import Life
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.panes import draw_along, draw_layers
-from rubnoise.figures.style import BLUE, DISTANCE, FAINT, INK, PALE, house_style, new_figure, shortened
+from rubnoise.figures.style import DISTANCE, FAINT, INK, PALE
 from rubnoise.figures.tracks import Stretch, Track
-from rubnoise.record.rows import JunctionState
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -180,70 +178,3 @@ def draw_overview(figure: "Figure", stretch: Stretch) -> str:
     for name in names:  # the panes are low
         axes[name].set_ylabel(axes[name].get_ylabel().replace("contact ", "contact\n").replace("live ", "live\n"))
     return f"The run at a glance, and the life of junction {number} (black)"
-
-
-MOST_DRAWN: Final = 60
-"""Neighbours drawn, evenly chosen in order of birth; of more the picture would be a grey cloud."""
-
-SAMPLES: Final = 401
-
-
-@house_style()
-def draw_life(life: Life, source: str = "") -> "Figure":
-    """Draw one life; ``source`` is the origin in its title."""
-    figure = new_figure(6.6, 5.6)
-    above, below = figure.subplots(2, 1, sharex=True)
-    whose = f"Junction {life.number:,}" + (f" of {shortened(source)}" if source else "")
-    ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
-    born = f"born at {life.birth_distance:,.2f} µm{ended}"
-    above.set_title(f"{whose}\ndiameter {life.diameter:.4g} µm, {born}", pad=10.0)
-    _draw_areas(above, life)
-    _draw_contact(below, life)
-    for axes in (above, below):
-        _shade_unknown(axes, life)
-        axes.legend(loc="upper right", ncols=3, frameon=True, fancybox=False, edgecolor="none", framealpha=1.0)
-    below.set_xlabel("sliding distance since its birth (µm)")
-    below.set_xlim(0.0, life.life_distance)
-    return figure
-
-
-def _draw_areas(axes: "Axes", life: Life) -> None:
-    """Draw the area of a junction over those of its neighbours."""
-    count, age = life.others.birth.size, np.linspace(0.0, life.life_distance, SAMPLES)
-    some = life.others.chosen(slice(None, None, max(1, ceil(count / MOST_DRAWN))))
-    areas = some.areas(life.birth_distance + age)
-    lines = axes.plot(age, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.7)
-    if lines:
-        lines[0].set_label(f"{len(lines)} of the {count:,} others" if len(lines) < count else "the others")
-    curve = life.curve()
-    age, area = curve["distance"] - life.birth_distance, curve["area"]
-    axes.fill_between(age, area, color=BLUE, alpha=0.18, lw=0.0)
-    axes.plot(age, area, color=BLUE, lw=2.4, label="this junction")
-    peak, words = life.peak, f"largest in the record, {life.peak.area:.4g} µm²"
-    axes.plot(peak.age, peak.area, "o", label=words, color=INK, ms=4.5, zorder=5, clip_on=False)
-    tallest = max(float(area.max()), float(0.25 * np.pi * np.max(life.others.diameter, initial=0.0) ** 2))
-    axes.set_ylim(0.0, 1.32 * tallest)
-    axes.set_ylabel("junction area (µm²)")
-
-
-def _draw_contact(axes: "Axes", life: Life) -> None:
-    age = np.linspace(0.0, life.life_distance, SAMPLES)
-    distance = life.birth_distance + age
-    known = (distance >= 0.0) & (distance <= life.record_end)
-    own = life.area_at_age(age)
-    total = np.where(known, own + life.others.total_area(distance), np.nan)
-    axes.fill_between(age, np.where(known, own, np.nan), color=BLUE, lw=0.0, label="this junction")
-    axes.plot(age, total, color=INK, lw=1.4, label="all junctions")
-    axes.plot(life.peak.age, life.peak.real_contact_area, "o", color=INK, ms=4.5, clip_on=False)
-    axes.set_ylim(0.0, 1.25 * float(np.nanmax(total, initial=life.peak.real_contact_area)))
-    axes.set_ylabel("real contact area (µm²)")
-    axes.set_title(f"{100.0 * life.peak.area_share:.3g} % of the real contact area at the dot")
-
-
-def _shade_unknown(axes: "Axes", life: Life) -> None:
-    """Mark the parts before the start and after the end of the record, where the other live junctions are unknown."""
-    start, end = -life.birth_distance, life.record_end - life.birth_distance
-    for first, last, words in ((0.0, start, "before the start"), (end, life.life_distance, "after the end")):
-        if first < last:
-            # Named in the legend: in the band the words would hide curves, or, in a narrow one, the axis beside it.
-            axes.axvspan(first, last, facecolor=PALE, edgecolor=FAINT, hatch="//", lw=0.0, zorder=0, label=words)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from rubnoise.analysis.landmarks import Flights, Sticks
+from rubnoise.analysis.life import Life
 from rubnoise.analysis.moments import covariance_errors
 from rubnoise.analysis.records import CovarianceSum
 from rubnoise.analysis.selection import Neighbours, neighbours
@@ -18,6 +19,7 @@ from rubnoise.figures import panes, style
 from rubnoise.figures.panes import draw_along
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION
 from rubnoise.figures.tracks import MOST_READ, Stretch, Track, at_the_same, tracks_of
+from rubnoise.record.rows import JunctionState
 from rubnoise.theory.moments import area_cumulants, distribution, share_of
 from rubnoise.theory.second_order import autocovariance, spectral_density
 
@@ -108,6 +110,9 @@ def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Dou
 LAYER_LIVES, MOST_DRAWN, DEFAULT_DRAWN = 4.0, 2000, 400
 """Mean lives that a picture of single ones shows, junctions at most, and about how many by default."""
 
+MARGIN: Final = 0.1
+"""How far a picture of one life goes beyond it, in lengths of the life."""
+
 
 def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighbours]:
     """Return the stretch that a picture of single lives shows, and these; raises Refused for too many of them."""
@@ -119,33 +124,43 @@ def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighb
     if alive.rows.size > MOST_DRAWN:
         raise Refused(
             f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
-            " --from and --to choose a shorter one"
+            " rubnoise plot RUN.h5 lives --from and --to choose a shorter one"
         )
     return shown, alive
 
 
-def draw_lives(figure: "Figure", stretch: Stretch) -> str:
-    """Draw the areas of all junctions of a stretch, stacked to their sum, and below it each by itself."""
-    shown, alive = _single(stretch)
+def draw_lives(figure: "Figure", stretch: Stretch, life: Life | None = None) -> str:
+    """Draw the areas of all junctions of a stretch, stacked to their sum, and below it each by itself.
+
+    The largest is black; or, of one ``life``, that junction, and the stretch is as much of its life as the run has.
+    """
+    shown, alive = _single(stretch if life is None else stretch.about(life.birth_distance, life.death_distance, MARGIN))
     lives = (shown.stop - shown.start) / shown.model.mean_life_distance
     place = np.linspace(shown.start, shown.stop, int(min(max(800.0, 40.0 * lives), 4000.0)))
     areas, law, peak = alive.areas(place), area_cumulants(shown.model), 0.25 * np.pi * shown.model.sizes.moment(2)
     tallest = areas.max(axis=1, initial=0.0)
-    largest = int(np.argmax(np.append(tallest, 0.0)))
+    marked = int(np.argmax(np.append(tallest, 0.0) if life is None else alive.rows == life.number))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
     style.exact_band(above, law.mean, law.std)
-    panes.draw_layers(above, place, areas, largest)
+    panes.draw_layers(above, place, areas, marked)
     above.set_ylabel(style.AREA)
     below.plot(place, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.6)
     if tallest.size:
-        row = areas[largest]
-        below.plot(place[row > 0.0], row[row > 0.0], color=INK, lw=1.6, label="the largest of them")
+        row, label = areas[marked], "the largest of them" if life is None else f"junction {life.number:,}"
+        below.plot(place[row > 0.0], row[row > 0.0], color=INK, lw=1.6, label=label)
     below.axhline(peak, color=VERMILION, lw=1.2, zorder=0, label="exact mean of the area at mid-life")
     highest, even = 1.1 * max(peak, float(tallest.max(initial=0.0))), np.ones(alive.rows.size)
     panes.mark_ends(below, alive, -0.09 * highest * even, -0.18 * highest * even)
     below.set(ylim=(-0.27 * highest, highest), ylabel="junction area (µm²)", xlabel=style.DISTANCE)
     below.set_yticks([tick for tick in below.get_yticks() if 0.0 <= tick <= highest])
-    return f"{alive.rows.size} junctions and their sum"
+    return f"{alive.rows.size} junctions and their sum" if life is None else _words_of(life)
+
+
+def _words_of(life: Life) -> str:
+    ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
+    born = f"diameter {life.diameter:.4g} µm, born at {life.birth_distance:,.2f} µm{ended}"
+    share = f"{100.0 * life.peak.area_share:.3g} % of the real contact area"
+    return f"Junction {life.number:,}: {born}\n{share} at its peak"
 
 
 def draw_lifelines(figure: "Figure", stretch: Stretch) -> str:
