@@ -116,7 +116,5 @@ def _finish(figure: "Figure", look: Appearance, *, fitted: bool) -> None:
     """Remove the titles of a figure that has a caption, and fit its labels into its size."""
     if not look.title:
         figure.suptitle("")
-        for axes in figure.axes:
-            axes.set_title("")
     if look.inches is not None and fitted:
         style.fit_labels(figure)

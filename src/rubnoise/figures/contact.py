@@ -27,8 +27,6 @@ LEAD, BORN = 0.15, 0.3
 CELL, MARGIN, ASPECT = (2.9, 1.12), 0.6, 2.2
 """Width and height of a pair's place in diameters of the largest, places left free at an edge, width over height."""
 
-ARC_POINTS: Final = 25
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stage:
@@ -43,27 +41,29 @@ class Stage:
 
     def draw(self, axes: "Axes") -> None:
         """Draw the pairs, their overlaps in shades of area, and signs of births and deaths."""
-        from matplotlib.collections import PolyCollection
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.colors import Normalize
+        from matplotlib.patches import Circle
 
         pairs = self.junctions
         shift = self.distance - pairs.birth - pairs.half_life
         alive = (pairs.birth <= self.distance) & (self.distance < pairs.death)
-        lenses = [self._lens(row, float(shift[row])) for row in np.flatnonzero(alive).tolist()]
-        most = 0.25 * pi * float(pairs.diameter.max(initial=1.0)) ** 2
-        look: dict[str, Any] = {"cmap": "Blues", "clim": (0.0, most), "lw": 0.0, "zorder": 2}
-        overlaps = PolyCollection(lenses, array=pairs.chosen(alive).area(self.distance), **look)
-        self._circles(axes, 0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1)
-        axes.add_collection(overlaps)
-        upper = "upper surface, sliding \N{RIGHTWARDS ARROW}"
-        self._circles(axes, shift, 0.5, facecolor="none", edgecolor=INK, zorder=3)
-        axes.plot([], [], marker="o", ms=8.0, mfc="none", mew=0.7, ls="", color=INK, label=upper)
+        areas = pairs.chosen(alive).area(self.distance)
+        shades = ScalarMappable(Normalize(0.0, 0.25 * pi * float(pairs.diameter.max(initial=1.0)) ** 2), "Blues")
+        lower = self._circles(axes, 0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1)
+        upper = self._circles(axes, shift, 0.5, facecolor="none", edgecolor=INK, zorder=3)
+        for row, colour in zip(np.flatnonzero(alive).tolist(), shades.to_rgba(areas), strict=True):
+            overlap = axes.add_patch(Circle(upper[row], 0.5 * pairs.diameter[row], color=colour, lw=0.0, zorder=2))
+            overlap.set_clip_path(Circle(lower[row], 0.5 * pairs.diameter[row], transform=axes.transData))
+        label = "upper surface, sliding \N{RIGHTWARDS ARROW}"
+        axes.plot([], [], marker="o", ms=8.0, mfc="none", mew=0.7, ls="", color=INK, label=label)
         self._signs(axes, pairs.birth, BORN, marker="o", mfc="white", ms=5.0, label="birth")
         self._signs(axes, pairs.death, LEAD, marker="x", ms=6.0, label="death")
         axes.set(aspect="equal", xlim=(0.0, self.width), ylim=(-0.1 * self.height, self.height), yticks=[])
         axes.xaxis.set_major_formatter("{x:g} µm")
         axes.tick_params(axis="x", direction="in", pad=-14.0)  # below the pairs
         axes.spines["left"].set_visible(False)
-        axes.figure.colorbar(overlaps, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
+        axes.figure.colorbar(shades, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
 
     def _signs(self, axes: "Axes", events: Doubles, lasting: float, **look: Any) -> None:
         """Mark the first and last touch of pairs, and early ends, for some diameters of sliding."""
@@ -72,27 +72,15 @@ class Stage:
         middle = self.x + 0.5 * (events - pairs.birth - pairs.half_life)
         axes.plot(middle[which], self.y[which], ls="", color=INK, mew=1.2, zorder=4, **look)
 
-    def _circles(self, axes: "Axes", shift: Doubles, aside: float, **look: Any) -> None:
-        """Draw circles ``shift`` um along the motion and a part of their offsets across it."""
+    def _circles(self, axes: "Axes", shift: Doubles, aside: float, **look: Any) -> Doubles:
+        """Draw circles ``shift`` um along the motion and a part of their offsets across it; return their centres."""
         from matplotlib.collections import EllipseCollection
 
         size, offset = self.junctions.diameter, self.junctions.offset
         places = np.stack([self.x + shift, self.y + (0.0 if offset is None else aside * offset)], axis=-1)
         look |= {"units": "xy", "offsets": places, "offset_transform": axes.transData, "lw": 0.7}
         axes.add_collection(EllipseCollection(size, size, 0.0 * size, **look))
-
-    def _lens(self, row: int, shift: float) -> Doubles:
-        """Return the outline of the overlap of a pair's circles, with centres ``shift`` um apart along the motion."""
-        radius = 0.5 * float(self.junctions.diameter[row])
-        across = 0.0 if self.junctions.offset is None else float(self.junctions.offset[row])
-        apart, turn = np.hypot(shift, across), np.arctan2(across, shift)
-        half = np.arccos(min(apart / (2.0 * radius), 1.0))
-        arc = np.linspace(-half, half, ARC_POINTS)
-        along = np.concatenate([radius * np.cos(arc) - 0.5 * apart, 0.5 * apart - radius * np.cos(arc)])
-        beside = np.concatenate([radius * np.sin(arc), -radius * np.sin(arc)])
-        x = 0.5 * shift + along * np.cos(turn) - beside * np.sin(turn)
-        y = along * np.sin(turn) + beside * np.cos(turn)
-        return np.stack([self.x[row] + x, self.y[row] + y], axis=-1)
+        return places
 
 
 def stage_of(stretch: Stretch, distance: float) -> Stage:
@@ -168,7 +156,7 @@ def draw_overview(figure: "Figure", stretch: Stretch) -> str:
     area = alive.chosen(alive.rows == number).areas(birth + age)[0]
     axes["life"].fill_between(age, area, color=INK, alpha=0.18, lw=0.0)
     axes["life"].plot(age, area, color=INK, lw=2.2)
-    axes["life"].set(xlim=(0.0, age[-1]), xlabel="since its birth (µm)", ylabel="its area (µm²)")
+    axes["life"].set(xlim=(0.0, age[-1]), xlabel="its age (µm)", ylabel="its area (µm²)")
     axes["life"].set_ylim(bottom=0.0)
     upper, lower = (Track.of(stretch, name) for name in names)
     lower = lower.shown()
