@@ -151,7 +151,7 @@ def life_of(file: Reader, junction: JunctionRow) -> Life:
     # A two-way slider may never have come by: that time is no number.
     never = [name for name in ("birth_time", "death_time") if not even and isnan(numbers.get(name, 0.0))]
     check_numbers("junctions", [junction.number], {n: np.array([numbers[n]]) for n in numbers if n not in never})
-    others = neighbours(file, junction.number, junction.birth_distance, junction.death_distance)
+    alive = neighbours(file, junction.birth_distance, junction.death_distance)
     end = stored(file.provenance["scenario_resolved"]).model().distance
     row |= {"rows": file.rows("junctions"), "record_end": end} | dict.fromkeys(never)
-    return Life(**row, slides_evenly=even, others=others)
+    return Life(**row, slides_evenly=even, others=alive.chosen(alive.rows != junction.number))

@@ -94,8 +94,8 @@ class Neighbours:
         return replace(self, **{n: each[which] for n in names if (each := getattr(self, n)) is not None})
 
 
-def neighbours(file: Reader, number: int, start: float, stop: float, *, touches: bool = False) -> Neighbours:
-    """Return all rows except ``number`` that live anywhere between two distances in um; memory holds a chunk at a time.
+def neighbours(file: Reader, start: float, stop: float, *, touches: bool = False) -> Neighbours:
+    """Return all rows that live anywhere between two distances in um; memory holds a chunk at a time.
 
     Every row is read, since the longest life is not known before, and a file may come from elsewhere. Raises
     RunFileRefused if one of the rows found is not a life, and Refused for touches of free motion, whose rows have no
@@ -104,7 +104,6 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     if not touches:
         refuse_touches(file.columns["junctions"])
     rows = select(file, lambda chunk: (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start))
-    rows = rows[rows != number]
     names = ("birth_distance", "death_distance", "diameter", "shear_strength", "lateral_offset")
     columns = gather(file, rows, [name for name in names if name in file.columns["junctions"]])
     check_numbers("junctions", rows, columns)

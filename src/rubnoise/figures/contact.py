@@ -89,7 +89,7 @@ def stage_of(stretch: Stretch, distance: float) -> Stage:
     Raises Refused if there are more of them than a picture shows.
     """
     margin = stretch.model.mean_life_distance
-    junctions = neighbours(stretch.file, -1, distance - margin, distance + margin)
+    junctions = neighbours(stretch.file, distance - margin, distance + margin)
     lead = LEAD * junctions.diameter
     junctions = junctions.chosen((distance >= junctions.birth - lead) & (distance < junctions.death + lead))
     count = junctions.diameter.size
@@ -124,8 +124,8 @@ def draw_contact(figure: "Figure", stretch: Stretch) -> str:
     return f"The contact from above at {distance:,.1f} µm: {words}"
 
 
-WINDOW_LIVES: Final = 4.0
-"""Width of the window around the junction, in its own lives."""
+BESIDE: Final = 1.5
+"""How far the window goes beyond the junction on either side, in its own lives."""
 
 
 def draw_overview(figure: "Figure", stretch: Stretch) -> str:
@@ -143,9 +143,8 @@ def draw_overview(figure: "Figure", stretch: Stretch) -> str:
     number = first + int(np.argmin(np.abs(diameter - model.sizes.moment(1))))
     ends = (file.column("junctions", name, number, number + 1) for name in ("birth_distance", "death_distance"))
     birth, death = (float(end[0]) for end in ends)
-    start = max(birth - 0.5 * (WINDOW_LIVES - 1.0) * (death - birth), 0.0)
-    window, age = np.linspace(start, start + WINDOW_LIVES * (death - birth), 1200), np.linspace(0.0, death - birth, 400)
-    alive = neighbours(file, -1, start, float(window[-1]))
+    shown, age = stretch.about(birth, death, BESIDE), np.linspace(0.0, death - birth, 400)
+    window, alive = np.linspace(shown.start, shown.stop, 1200), neighbours(file, shown.start, shown.stop)
     names = ["area", "count"]
     if model.slider is not None:
         names = ["base" if model.slider.excitation == "base" else "force", "displacement"]

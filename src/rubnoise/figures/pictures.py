@@ -10,7 +10,7 @@ import numpy as np
 from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.life import Life
 from rubnoise.analysis.moments import covariance_errors
-from rubnoise.analysis.records import CovarianceSum
+from rubnoise.analysis.records import autocovariance
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
@@ -20,8 +20,8 @@ from rubnoise.figures.panes import draw_along
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION
 from rubnoise.figures.tracks import MOST_READ, Stretch, Track, at_the_same, tracks_of
 from rubnoise.record.rows import JunctionState
+from rubnoise.theory import second_order
 from rubnoise.theory.moments import area_cumulants, distribution, share_of
-from rubnoise.theory.second_order import autocovariance, spectral_density
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -73,13 +73,11 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> str:
     """Draw the autocovariance of A_r over a stretch, R(tau), and the band with 95 % of estimates at each lag."""
     track, axes, model = Track.of(stretch, "area"), figure.subplots(), stretch.model
     reach = min(int(LAG_LIVES * model.mean_life_distance / track.step) + 1, (track.last - track.first) // 2)
-    steps, mean = np.arange(0, reach + 1, max(1, reach // LAGS)), float(track.record().mean())
-    products = CovarianceSum(steps, mean)
-    for chunk in track.chunks():
-        products.add(chunk)
+    steps, values = np.arange(0, reach + 1, max(1, reach // LAGS)), track.record()
+    seen = autocovariance(values, reach)[steps] / (1.0 - steps / values.size)  # over the pairs of each lag
     if stretch.has_theory:
         lag = np.linspace(0.0, float(track.step * steps[-1]), 400)
-        exact = autocovariance(model, lag)
+        exact = second_order.autocovariance(model, lag)
         axes.axhline(0.0, color=FAINT, lw=0.6, zorder=0)
         if isinstance(model.births, PoissonBirths):
             label = "95 % of estimates, each lag alone: neighbours err together"
@@ -88,8 +86,8 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> str:
         axes.plot(lag, exact, color=VERMILION, lw=1.6, label="exact")
         words = f"the mean life, {model.mean_life_distance:.4g} µm"
         axes.axvline(model.mean_life_distance, color=INK, lw=0.9, ls=(0, (4, 3)), zorder=0, label=words)
-    axes.plot(track.step * steps, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
-    rounding = (style.NEAREST * mean) ** 2
+    axes.plot(track.step * steps, seen, "o", color=BLUE, ms=2.6, label="simulated")
+    rounding = (style.NEAREST * float(values.mean())) ** 2
     if max(np.abs(axes.get_ylim())) < rounding:
         axes.set_ylim(-rounding, rounding)
     axes.set(xlim=(0.0, track.step * steps[-1]), xlabel="lag in sliding distance (µm)", ylabel="autocovariance (µm⁴)")
@@ -103,7 +101,7 @@ def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Dou
     """
     length = stretch.stop - stretch.start
     error = style.CONFIDENCE * covariance_errors(stretch.model, lag, length, stretch.model.tick)
-    expected = exact - float(spectral_density(stretch.model, 0.0)) / length
+    expected = exact - float(second_order.spectral_density(stretch.model, 0.0)) / length
     return expected - error, expected + error
 
 
@@ -120,7 +118,7 @@ def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighb
     births = max(DEFAULT_DRAWN - model.mean_junction_count, 0.1 * model.mean_junction_count)
     width = min(LAYER_LIVES * model.mean_life_distance, births * model.mean_birth_spacing)
     shown = stretch.narrowed(width if stretch.has_theory else 40.0 * model.mean_life_distance)
-    alive = neighbours(stretch.file, -1, shown.start, shown.stop, touches=touches)
+    alive = neighbours(stretch.file, shown.start, shown.stop, touches=touches)
     if alive.rows.size > MOST_DRAWN:
         raise Refused(
             f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"

@@ -252,7 +252,6 @@ NARROW: Final = 120.0 / 25.4
 """Width in inches below which a picture is narrow, as one column of a journal is: its letters are those of paper."""
 
 _ROUNDS: Final = 2
-_APART: Final = 0.08  # inches
 _TICK: Final = 8.0  # letters of a tick's label, and what it needs beside
 _WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
 _FEWEST: Final = 8  # characters of a line, however little room there is
@@ -260,10 +259,6 @@ _FEWEST: Final = 8  # characters of a line, however little room there is
 
 def fit_labels(figure: "Figure") -> None:
     """Break labels and entries of legends that are longer than their room, and thin out ticks."""
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
-
-    if isinstance(layout := figure.get_layout_engine(), ConstrainedLayoutEngine):
-        layout.set(h_pad=_APART)  # so that the lowest tick of a pane stays off the highest of the one below
     for _ in range(_ROUNDS):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of panes without any room, which have it when all is broken
