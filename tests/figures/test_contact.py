@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -41,23 +40,6 @@ def stage(stretch: Stretch) -> Stage:
     return stage_of(stretch, AT)
 
 
-def _area_of(outline: np.ndarray) -> float:
-    """Return the area of a polygon."""
-    x, y = outline.T
-    return abs(0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
-
-
-def test_the_lens_that_is_drawn_has_the_area_of_the_junction(stage: Stage) -> None:
-    pairs = stage.junctions
-    for row in range(5):
-        diameter = float(pairs.diameter[row])
-        for since in (0.1, 0.5, 1.0, 1.7):
-            outline = stage._lens(row, (since - 1.0) * diameter)
-            exact = float(pairs.pulse.area(np.array([since * diameter]), np.array([diameter]))[0])
-            assert _area_of(outline) == pytest.approx(exact, rel=0.01)
-        assert _area_of(stage._lens(row, 0.0)) == pytest.approx(0.25 * pi * diameter**2, rel=0.01)
-
-
 def test_each_pair_has_a_place_of_its_own_inside_the_stage(stage: Stage) -> None:
     places = list(zip(stage.x.tolist(), stage.y.tolist(), strict=True))
     assert len(set(places)) == len(places) > 10
@@ -86,13 +68,21 @@ def test_too_many_are_refused_and_none_are_drawn_too(
         stage_of(stretch, AT)
 
 
+def _overlap(apart: np.ndarray, diameter: np.ndarray) -> np.ndarray:
+    """Return the area in which circles of a diameter overlap, if their centres are so far apart."""
+    share = np.minimum(apart / diameter, 1.0)
+    return 0.5 * diameter**2 * (np.arccos(share) - share * np.sqrt(1.0 - share**2))
+
+
 def test_areas_in_the_picture_are_those_of_the_junctions(stretch: Stretch) -> None:
     figure = drawing("contact", Stretch.of(stretch.file, AT, AT + 10.0))
-    overlap = next(each for each in figure.axes[0].collections if each.get_array() is not None)
-    drawn = np.asarray(overlap.get_array())
+    axes = figure.axes[0]
+    lower, upper = axes.collections
+    overlaps = _overlap(np.hypot(*(upper.get_offsets() - lower.get_offsets()).T), lower.get_widths())
     row = round(AT / stretch.model.tick)
-    assert drawn.sum() == pytest.approx(stretch.file.column("trace", "real_contact_area", row, row + 1)[0])
-    outlines = sum(_area_of(path.vertices[:-1]) for path in overlap.get_paths())
-    assert outlines == pytest.approx(drawn.sum(), rel=0.01)
-    texts = {text.get_text() for text in figure.axes[0].get_legend().get_texts()} | {figure.axes[1].get_ylabel()}
+    assert overlaps.sum() == pytest.approx(stretch.file.column("trace", "real_contact_area", row, row + 1)[0])
+    centres = {tuple(each.center) for each in axes.patches}
+    assert centres == {tuple(each) for each in np.asarray(upper.get_offsets())[overlaps > 0.0].tolist()}
+    assert all(each.get_clip_path() is not None for each in axes.patches)
+    texts = {text.get_text() for text in axes.get_legend().get_texts()} | {figure.axes[1].get_ylabel()}
     assert {"birth", "death", "area of a junction (µm²)"} <= texts

@@ -96,7 +96,7 @@ class Held:
 
 def _held(*landmarks: tuple[float, float, LandmarkKind]) -> Held:
     time, distance, kind = zip(*landmarks, strict=True)
-    return Held(groups={"landmarks": {"time": time, "distance": distance, "kind": kind}})
+    return Held(groups={"landmarks": {"time": time, "distance": distance, "displacement": distance, "kind": kind}})
 
 
 def test_sticks_and_slips_are_those_of_the_landmarks() -> None:

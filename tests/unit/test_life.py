@@ -1,23 +1,29 @@
 """One junction's life as told from its file, and its picture."""
 
 from collections.abc import Iterator
-from io import BytesIO
 from pathlib import Path
 
 import h5py
-import matplotlib.image
 import numpy as np
 import pytest
 
 import rubnoise
 from rubnoise.analysis.life import Life, life_of
+from rubnoise.api.run import Run
 from rubnoise.contact.pulses import LENS
 from rubnoise.errors import RunFileRefused
 from rubnoise.figures import style
-from rubnoise.figures.contact import draw_life
+from rubnoise.figures.catalogue import drawing
+from rubnoise.figures.tracks import Stretch
+from rubnoise.record.rows import JunctionState
 from rubnoise.storage.reader import RunFile, open_run
 from tests.architecture.sources import ROOT
-from tests.unit.tampering import BIRTH, DEPARTURE, DIAMETER, STRENGTH, bare_file, lives_file
+from tests.unit.tampering import BIRTH, DEPARTURE, DIAMETER, RECORD_END, STRENGTH, bare_file, lives_file
+
+
+def life_in(file: RunFile, number: int) -> Life:
+    return life_of(file, Run(file).junction(number))
+
 
 # One junction's life as told from its file, held to sums over all rows that are written out here.
 DEATH = np.minimum(DEPARTURE, BIRTH + 2.0 * DIAMETER)
@@ -40,7 +46,7 @@ PEAKS = {0: 0.0, 1: 1.0, 2: 8.0, 3: 8.0, 4: 10.0, 5: 11.0, 6: 25.0, 7: 30.0}
 
 @pytest.mark.parametrize("number", range(8))
 def test_the_peak_and_its_shares_are_those_of_the_rows(file: RunFile, number: int) -> None:
-    life = life_of(file, number)
+    life = life_in(file, number)
     assert life.peak.distance == PEAKS[number]
     areas = _areas(life.peak.distance, just_before=number in {3, 5})
     assert life.peak.area == pytest.approx(areas[number], rel=1e-14)
@@ -54,7 +60,7 @@ def test_the_peak_and_its_shares_are_those_of_the_rows(file: RunFile, number: in
 
 
 def test_a_life_ended_early_has_the_peak_that_it_reached(file: RunFile) -> None:
-    before, at, after = (life_of(file, number) for number in (3, 5, 4))
+    before, at, after = (life_in(file, number) for number in (3, 5, 4))
     assert before.mid_life_distance is None
     assert before.peak.area == pytest.approx(float(LENS.area(4.0, 5.0)), rel=1e-14)
     assert before.peak.area < before.max_area
@@ -65,7 +71,7 @@ def test_a_life_ended_early_has_the_peak_that_it_reached(file: RunFile) -> None:
 
 def test_a_bare_run_has_neither_times_nor_forces(tmp_path: Path) -> None:
     with bare_file(tmp_path / "x.h5") as file:
-        life = life_of(file, 2)
+        life = life_in(file, 2)
     assert list(life.curve()) == ["distance", "area"]
     assert life.time(3.0) is None
     assert (life.peak.force, life.peak.friction_force, life.peak.force_share) == (None, None, None)
@@ -83,12 +89,12 @@ def paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("number", [0, 30, 200, -1])
 def test_of_a_simulated_run_all_lives_sum_up_to_the_trace(paper: Path, number: int) -> None:
     with open_run(paper) as file:
-        life = life_of(file, number % file.rows("junctions"))
+        life = life_in(file, number % file.rows("junctions"))
         distance, area = file.column("trace", "distance"), file.column("trace", "real_contact_area")
     inside = (distance >= life.birth_distance) & (distance < life.death_distance)
     lived = distance[inside]
     assert lived.size > 5
-    summed = life.area_at_age(lived - life.birth_distance) + life.others.total_area(lived)
+    summed = life.area_at_age(lived - life.birth_distance) + life.others.areas(lived).sum(axis=0)
     np.testing.assert_allclose(summed, area[inside], rtol=1e-11)
     assert _between_ticks(life, distance, area)
 
@@ -111,35 +117,25 @@ def test_rows_that_are_no_lives_are_refused_by_number(tmp_path: Path, column: st
     with open_run(tmp_path / "x.h5") as damaged:
         for number in (4, 5):  # itself, and one that lived beside it
             with pytest.raises(RunFileRefused, match=rf"row 4 has the {column} {told}$"):
-                life_of(damaged, number)
-        assert life_of(damaged, 0).diameter == DIAMETER[0]
+                life_in(damaged, number)
+        assert life_in(damaged, 0).diameter == DIAMETER[0]
 
 
-# The picture of one life: it shows what it should, in grey too, and nothing of it is cut off.
-@pytest.fixture
-def lives(tmp_path: Path) -> list[Life]:
-    with lives_file(tmp_path / "x.h5") as file:
-        return [life_of(file, number) for number in range(8)]
-
-
-def _pixels(png: bytes) -> np.ndarray:
-    return np.asarray(matplotlib.image.imread(BytesIO(png)))[:, :, :3]
-
-
-def _of_colour(pixels: np.ndarray, colour: str) -> np.ndarray:
-    wanted = [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
-    return np.all(np.abs(pixels - wanted) < 0.02, axis=2)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("number", [0, 2, 3, 4, 7])
-def test_every_life_can_be_drawn_with_nothing_cut_off(lives: list[Life], number: int) -> None:
-    pixels = _pixels(style.drawn(draw_life, lives[number], "x.h5"))
-    assert pixels.shape == (840, 990, 3)
-    border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
-    assert np.all(border == 1.0)
-    blue = _of_colour(pixels, style.BLUE)
-    assert blue[:420].sum() > 1000  # its curve, above
+# The picture of one life: it is the picture of single lives, with this one in black from its birth to its death.
+@pytest.mark.parametrize("number", range(8))
+def test_every_life_can_be_drawn_as_much_of_it_as_the_run_has(file: RunFile, number: int) -> None:
+    life = life_in(file, number)
+    figure = drawing("lives", Stretch.of(file), life=life)
+    (curve,) = (each for each in figure.axes[1].lines if each.get_label() == f"junction {number}")
+    place, area = np.asarray(curve.get_data())
+    np.testing.assert_allclose(area, life.area_at_age(place - life.birth_distance))
+    step = 0.002 * life.life_distance
+    assert max(life.birth_distance, 0.0) == pytest.approx(place[0], abs=step)
+    assert min(life.death_distance, RECORD_END) == pytest.approx(place[-1], abs=step)
+    title = figure.get_suptitle()
+    assert title.startswith(f"Junction {number}: diameter {life.diameter:.4g} µm, born at {life.birth_distance:.2f} µm")
+    assert ("ended early" in title) == (JunctionState.ENDED_EARLY in life.state)
+    assert f"{100.0 * life.peak.area_share:.3g} % of the real contact area at its peak" in title
 
 
 def _luminance(colour: str) -> float:

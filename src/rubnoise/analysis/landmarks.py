@@ -79,7 +79,7 @@ class Sticks(Spells):
 
     __slots__ = ()
     begins, ends = LandmarkKind.STICK, LandmarkKind.SLIP
-    columns = ("kind", "distance")
+    columns = ("kind", "time", "distance", "displacement")
 
     @property
     def slip_lengths(self) -> Doubles:

@@ -1,6 +1,6 @@
-"""The life of one junction in a file: the values of its row, its curve, and the contact at its peak."""
+"""One junction of a run: the values of its row, the curve of its life, and the contact at its peak."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import ceil, isnan, sqrt
 from typing import Any, Final
@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from rubnoise.analysis.selection import Neighbours, check_numbers, neighbours
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import area_of
-from rubnoise.errors import Refused
+from rubnoise.contact.pulses import LENS, Pulse, area_of
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState
 from rubnoise.scenario.reading import stored
@@ -21,29 +20,8 @@ STEPS: Final = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Peak:
-    """The contact where the area of a junction is largest within its life and the record.
-
-    ``beside`` are the others alive there, or just before it if the life was ended there. real_contact_area and
-    friction_force are sums over all of them and the junction, of which the shares are its own; they are not those of
-    the nearest tick. Forces are None without a strength.
-    """
-
-    age: float
-    distance: float
-    time: float | None
-    area: float
-    real_contact_area: float
-    area_share: float
-    force: float | None
-    friction_force: float | None
-    force_share: float | None
-    beside: Neighbours
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class JunctionRow:
-    """The values in the row of a junction; those that only some runs have are None in the others."""
+    """What a run says of one junction; um and um^2, times in s and strength in MPa if the run has them."""
 
     number: int
     birth_distance: float
@@ -56,6 +34,31 @@ class JunctionRow:
     birth_time: float | None = None
     death_time: float | None = None
     lateral_offset: float | None = None
+    pulse: Pulse = field(default=LENS, repr=False)
+
+    def area_at_age(self, age: ArrayLike) -> Doubles:
+        """Return the area in um^2 at sliding distances in um after birth, 0 to the life distance."""
+        return area_of(self.pulse, age, self.diameter, self.lateral_offset)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Peak:
+    """The contact where the area of a junction is largest within its life and the record.
+
+    ``beside`` are the others alive there, or just before it if the life was ended there. real_contact_area and
+    friction_force are sums over all of them and the junction, of which the shares are its own; they are not those of
+    the nearest tick. Forces are None without a strength.
+    """
+
+    distance: float
+    time: float | None
+    area: float
+    real_contact_area: float
+    area_share: float
+    force: float | None
+    friction_force: float | None
+    force_share: float | None
+    beside: Neighbours
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,7 +99,6 @@ class Life(JunctionRow):
             force = self.shear_strength * area
             friction = force + float((beside.strength * areas).sum())
         return Peak(
-            age=age,
             distance=distance,
             time=None if time is None else float(time),
             area=area,
@@ -118,10 +120,6 @@ class Life(JunctionRow):
         pace = (self.death_time - self.birth_time) / length if length else 0.0
         return self.birth_time + pace * (np.asarray(distance, dtype=np.float64) - self.birth_distance)
 
-    def area_at_age(self, age: ArrayLike) -> Doubles:
-        """Return the area in um^2 at sliding distances after birth, 0 to the life distance."""
-        return area_of(self.others.pulse, age, self.diameter, self.lateral_offset)
-
     def curve(self) -> dict[str, Doubles]:
         """Return distance, time, area and force (those that the run has) from birth to death, mid-life included.
 
@@ -142,23 +140,18 @@ class Life(JunctionRow):
         return {name: values for name, values in columns.items() if values is not None}
 
 
-def life_of(file: Reader, number: int) -> Life:
-    """Return the life of one junction by its row number; reads its row, and births and deaths of all rows.
+def life_of(file: Reader, junction: JunctionRow) -> Life:
+    """Return the life of a junction of a run; reads births and deaths of all rows.
 
-    Raises Refused, naming the range, if there is no such row, RunFileRefused for a file with rows that are not lives.
+    Raises RunFileRefused for a file with rows that are not lives.
     """
-    rows = file.rows("junctions")
-    if not 0 <= number < rows:
-        there = f"it has junctions 0 to {rows - 1}" if rows else "it has no junctions at all"
-        raise Refused(f"there is no junction {number} in this run; {there}")
-    names = [each.name for each in fields(JunctionRow) if each.name in file.columns["junctions"]]
-    row: dict[str, Any] = {name: file.column("junctions", name, number, number + 1)[0].item() for name in names}
-    even, times = "landmarks" not in file.columns, {"birth_time", "death_time"}
+    row: dict[str, Any] = {each.name: getattr(junction, each.name) for each in fields(JunctionRow)}
+    numbers = {name: value for name, value in row.items() if isinstance(value, float)}
+    even = "landmarks" not in file.columns
     # A two-way slider may never have come by: that time is no number.
-    checked = {name: np.array([value]) for name, value in row.items() if even or name not in times}
-    check_numbers("junctions", [number], checked)
-    others = neighbours(file, number, row["birth_distance"], row["death_distance"])
-    row |= {name: None for name in times & row.keys() if isnan(row[name])}
-    row["state"] = JunctionState(row["state"])
+    never = [name for name in ("birth_time", "death_time") if not even and isnan(numbers.get(name, 0.0))]
+    check_numbers("junctions", [junction.number], {n: np.array([numbers[n]]) for n in numbers if n not in never})
+    alive = neighbours(file, junction.birth_distance, junction.death_distance)
     end = stored(file.provenance["scenario_resolved"]).model().distance
-    return Life(**row, number=number, rows=rows, slides_evenly=even, record_end=end, others=others)
+    row |= {"rows": file.rows("junctions"), "record_end": end} | dict.fromkeys(never)
+    return Life(**row, slides_evenly=even, others=alive.chosen(alive.rows != junction.number))

@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.where import Choose
-from rubnoise.arrays import Doubles, slices
+from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse, area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows, chunks
 from rubnoise.record.rows import refuse_touches
 from rubnoise.scenario.reading import stored
 
-_AREAS_AT_ONCE: Final = 1 << 18  # their sum is taken piece by piece, so its last bits depend on it
 _CHECKED_ROWS: Final = 1 << 18  # of a comparison at once: it sums up each chunk, so its last bits depend on them
 RowNumbers = NDArray[np.int64]
 
@@ -87,21 +86,14 @@ class Neighbours:
         areas = area_of(self.pulse, distance - birth, self.diameter[:, np.newaxis], aside)
         return np.where((birth <= distance) & (distance < death), areas, 0.0)
 
-    def total_area(self, distance: Doubles) -> Doubles:
-        """Return the sum of their areas in um^2 at sliding distances in um; memory holds some junctions at a time."""
-        total = np.zeros(distance.size)
-        for part in slices(0, self.rows.size, max(1, _AREAS_AT_ONCE // max(1, distance.size))):
-            total += self.chosen(part).areas(distance).sum(axis=0)
-        return total
-
     def chosen(self, which: NDArray[np.bool_] | slice) -> Self:
         """Return some of the rows."""
         names = ("rows", "birth", "death", "diameter", "strength", "offset")
         return replace(self, **{n: each[which] for n in names if (each := getattr(self, n)) is not None})
 
 
-def neighbours(file: Reader, number: int, start: float, stop: float, *, touches: bool = False) -> Neighbours:
-    """Return all rows except ``number`` that live anywhere between two distances in um; memory holds a chunk at a time.
+def neighbours(file: Reader, start: float, stop: float, *, touches: bool = False) -> Neighbours:
+    """Return all rows that live anywhere between two distances in um; memory holds a chunk at a time.
 
     Every row is read, since the longest life is not known before, and a file may come from elsewhere. Raises
     RunFileRefused if one of the rows found is not a life, and Refused for touches of free motion, whose rows have no
@@ -110,7 +102,6 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     if not touches:
         refuse_touches(file.columns["junctions"])
     rows = select(file, lambda chunk: (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start))
-    rows = rows[rows != number]
     names = ("birth_distance", "death_distance", "diameter", "shear_strength", "lateral_offset")
     columns = gather(file, rows, [name for name in names if name in file.columns["junctions"]])
     check_numbers("junctions", rows, columns)

@@ -1,13 +1,12 @@
 """One junction of a run."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.life import JunctionRow
-from rubnoise.contact.pulses import LENS, Pulse, area_of
 from rubnoise.real_numbers import at_each
 from rubnoise.storage import schema
 from rubnoise.tables import as_html
@@ -29,8 +28,6 @@ class Junction(JunctionRow):
     True
     """
 
-    pulse: Pulse = field(default=LENS, repr=False)
-
     def area(self, distance: ArrayLike) -> NDArray[np.float64]:
         """Return its area in um^2 at sliding distances in um (any shape); 0 before birth and from death on.
 
@@ -42,8 +39,7 @@ class Junction(JunctionRow):
 
     def _area(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
         alive = (self.birth_distance <= distance) & (distance < self.death_distance)
-        age = distance - self.birth_distance
-        return np.where(alive, area_of(self.pulse, age, self.diameter, self.lateral_offset), 0.0)
+        return np.where(alive, self.area_at_age(distance - self.birth_distance), 0.0)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw the area over the sliding distance, from birth to death, and return the figure, that of ``ax``."""

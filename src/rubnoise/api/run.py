@@ -72,6 +72,10 @@ class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
         return Exception.__str__(self)
 
 
+class NoJunction(Refused, IndexError):  # noqa: N818  (says what is missing)
+    """A run does not have a junction of this number."""
+
+
 class Run(Shown):
     """A run: an open result file, which is a context manager, or a `Record` in memory.
 
@@ -193,7 +197,7 @@ class Run(Shown):
         refuse_touches(columns)
         if not 0 <= number < len(columns):
             there = f"junctions 0 to {len(columns) - 1}" if len(columns) else "no junctions at all"
-            raise IndexError(f"junction {number}: the run has {there}")
+            raise NoJunction(f"junction {number}: the run has {there}")
         names = (name for name in columns if name != "junction")
         values = {name: self._reader.column("junctions", name, number, number + 1)[0].item() for name in names}
         return Junction(number=number, pulse=self.model().pulse, **values | {"state": JunctionState(values["state"])})

@@ -29,7 +29,7 @@ def junctions(
         int | None, argument("N", "Row number of one junction, from 0 in order of birth, to show its life.")
     ] = None,
     picture: Annotated[
-        Path | None, argument("FILE.png", "The png file of --plot; default: a name from RUN and N.")
+        Path | None, argument("PICTURE", "A png, pdf or svg file for --plot; default: a name from RUN and N.")
     ] = None,
     *,
     where: Annotated[
@@ -48,7 +48,7 @@ def junctions(
     columns: Annotated[str | None, option("A,B,...", "The columns to print.")] = None,
     as_json: AsJson = False,
     as_csv: AsCsv = False,
-    plot: Annotated[bool, flag("Draw the life of junction N into a png file.", "--plot")] = False,
+    plot: Annotated[bool, flag("Draw the life of junction N.", "--plot")] = False,
     force: ReplacePlot = False,
 ) -> None:
     """List junctions that meet a condition, or show one life.
@@ -61,6 +61,7 @@ def junctions(
     Example: rubnoise junctions fig5.h5 --where "diameter > 6 um" --sort life_distance --head 10
     """
     from rubnoise.analysis.life import life_of
+    from rubnoise.api.run import Run
     from rubnoise.cli.loading import finished_run
 
     chosen = {"--where": where, "--sort": sort, "--reverse": reverse or None, "--head": head, "--columns": columns}
@@ -69,8 +70,6 @@ def junctions(
     check_plot(picture, plot=plot, printed=as_csv or as_json, force=force)
     if plot and number is None:
         raise typer.BadParameter("--plot is for one junction: rubnoise junctions RUN.h5 N")
-    if picture is not None and picture.suffix.lower() != ".png":
-        raise typer.BadParameter(f"{picture} does not end in .png, which is what --plot draws")
     brief = not (as_csv or as_json)
     with finished_run(file) as run:
         if number is None:
@@ -80,13 +79,14 @@ def junctions(
             if brief and more:
                 print(f"\n  and {more:,} more (--head N for more, --csv for all)")
             return
-        life = life_of(run, number)
+        life = life_of(run, Run(run).junction(number))
         if plot:
-            from rubnoise.figures.contact import draw_life
+            from rubnoise.figures.catalogue import drawing
+            from rubnoise.figures.tracks import Stretch
 
             path = picture or Path(f"{file.stem}_junction{number}.png")
             check_picture(path, force=force, reads=[file])
-            write_picture(path, lambda: draw_life(life, printable(file.name)), force=force)
+            write_picture(path, lambda: drawing("lives", Stretch.of(run), life=life), force=force)
         else:
             answer = _life_answer(life, file)
             if as_csv:  # the curve alone, with the units in the names of its columns

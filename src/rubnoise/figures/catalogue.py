@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
+from rubnoise.analysis.life import Life
 from rubnoise.analysis.sound import Heard
 from rubnoise.arrays import Doubles
 from rubnoise.figures import Kind, Style, pictures, style
@@ -64,17 +65,19 @@ def drawing(
     heard: Heard | None = None,
     beside: Stretch | None = None,
     measured: tuple[str, Doubles, Doubles] | None = None,
+    life: Life | None = None,
     look: Appearance = AS_IT_IS,
     ax: "Axes | None" = None,
 ) -> "Figure":
     """Return a picture of a run as a figure, which a notebook shows; with ``ax``, their whole figure.
 
     heard: the quantity of `psd` and `histogram`, in place of the area; beside: a run that is drawn over
-    the first; measured: name, places and densities of a spectrum of the user's, in the picture's units; look: its size,
-    its style, and whether it has titles. Raises Refused if a run does not have what the picture shows.
+    the first; measured: name, places and densities of a spectrum of the user's, in the picture's units; life: the one
+    that `lives` is about; look: its size, its style, and whether it has titles. Raises Refused if a run does not have
+    what the picture shows.
     """
     draw, *size = PICTURES[name]
-    options: dict[str, Any] = {"of": heard, "beside": beside}
+    options: dict[str, Any] = {"of": heard, "beside": beside, "life": life}
     with style.house_style(look.style), style.in_place_of(ax) as place:
         figure = style.new_figure(*(look.inches or size)) if place is None else place
         title = draw(figure, stretch, **{option: each for option, each in options.items() if each is not None})
@@ -113,7 +116,5 @@ def _finish(figure: "Figure", look: Appearance, *, fitted: bool) -> None:
     """Remove the titles of a figure that has a caption, and fit its labels into its size."""
     if not look.title:
         figure.suptitle("")
-        for axes in figure.axes:
-            axes.set_title("")
     if look.inches is not None and fitted:
         style.fit_labels(figure)

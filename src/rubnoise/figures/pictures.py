@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from rubnoise.analysis.landmarks import Flights, Sticks
+from rubnoise.analysis.life import Life
 from rubnoise.analysis.moments import covariance_errors
-from rubnoise.analysis.records import CovarianceSum
+from rubnoise.analysis.records import autocovariance
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
@@ -18,8 +19,9 @@ from rubnoise.figures import panes, style
 from rubnoise.figures.panes import draw_along
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION
 from rubnoise.figures.tracks import MOST_READ, Stretch, Track, at_the_same, tracks_of
+from rubnoise.record.rows import JunctionState
+from rubnoise.theory import second_order
 from rubnoise.theory.moments import area_cumulants, distribution, share_of
-from rubnoise.theory.second_order import autocovariance, spectral_density
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -71,13 +73,11 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> str:
     """Draw the autocovariance of A_r over a stretch, R(tau), and the band with 95 % of estimates at each lag."""
     track, axes, model = Track.of(stretch, "area"), figure.subplots(), stretch.model
     reach = min(int(LAG_LIVES * model.mean_life_distance / track.step) + 1, (track.last - track.first) // 2)
-    steps, mean = np.arange(0, reach + 1, max(1, reach // LAGS)), float(track.record().mean())
-    products = CovarianceSum(steps, mean)
-    for chunk in track.chunks():
-        products.add(chunk)
+    steps, values = np.arange(0, reach + 1, max(1, reach // LAGS)), track.record()
+    seen = autocovariance(values, reach)[steps] / (1.0 - steps / values.size)  # over the pairs of each lag
     if stretch.has_theory:
         lag = np.linspace(0.0, float(track.step * steps[-1]), 400)
-        exact = autocovariance(model, lag)
+        exact = second_order.autocovariance(model, lag)
         axes.axhline(0.0, color=FAINT, lw=0.6, zorder=0)
         if isinstance(model.births, PoissonBirths):
             label = "95 % of estimates, each lag alone: neighbours err together"
@@ -86,8 +86,8 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> str:
         axes.plot(lag, exact, color=VERMILION, lw=1.6, label="exact")
         words = f"the mean life, {model.mean_life_distance:.4g} µm"
         axes.axvline(model.mean_life_distance, color=INK, lw=0.9, ls=(0, (4, 3)), zorder=0, label=words)
-    axes.plot(track.step * steps, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
-    rounding = (style.NEAREST * mean) ** 2
+    axes.plot(track.step * steps, seen, "o", color=BLUE, ms=2.6, label="simulated")
+    rounding = (style.NEAREST * float(values.mean())) ** 2
     if max(np.abs(axes.get_ylim())) < rounding:
         axes.set_ylim(-rounding, rounding)
     axes.set(xlim=(0.0, track.step * steps[-1]), xlabel="lag in sliding distance (µm)", ylabel="autocovariance (µm⁴)")
@@ -101,12 +101,15 @@ def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Dou
     """
     length = stretch.stop - stretch.start
     error = style.CONFIDENCE * covariance_errors(stretch.model, lag, length, stretch.model.tick)
-    expected = exact - float(spectral_density(stretch.model, 0.0)) / length
+    expected = exact - float(second_order.spectral_density(stretch.model, 0.0)) / length
     return expected - error, expected + error
 
 
 LAYER_LIVES, MOST_DRAWN, DEFAULT_DRAWN = 4.0, 2000, 400
 """Mean lives that a picture of single ones shows, junctions at most, and about how many by default."""
+
+MARGIN: Final = 0.1
+"""How far a picture of one life goes beyond it, in lengths of the life."""
 
 
 def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighbours]:
@@ -115,37 +118,47 @@ def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighb
     births = max(DEFAULT_DRAWN - model.mean_junction_count, 0.1 * model.mean_junction_count)
     width = min(LAYER_LIVES * model.mean_life_distance, births * model.mean_birth_spacing)
     shown = stretch.narrowed(width if stretch.has_theory else 40.0 * model.mean_life_distance)
-    alive = neighbours(stretch.file, -1, shown.start, shown.stop, touches=touches)
+    alive = neighbours(stretch.file, shown.start, shown.stop, touches=touches)
     if alive.rows.size > MOST_DRAWN:
         raise Refused(
             f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
-            " --from and --to choose a shorter one"
+            " rubnoise plot RUN.h5 lives --from and --to choose a shorter one"
         )
     return shown, alive
 
 
-def draw_lives(figure: "Figure", stretch: Stretch) -> str:
-    """Draw the areas of all junctions of a stretch, stacked to their sum, and below it each by itself."""
-    shown, alive = _single(stretch)
+def draw_lives(figure: "Figure", stretch: Stretch, life: Life | None = None) -> str:
+    """Draw the areas of all junctions of a stretch, stacked to their sum, and below it each by itself.
+
+    The largest is black; or, of one ``life``, that junction, and the stretch is as much of its life as the run has.
+    """
+    shown, alive = _single(stretch if life is None else stretch.about(life.birth_distance, life.death_distance, MARGIN))
     lives = (shown.stop - shown.start) / shown.model.mean_life_distance
     place = np.linspace(shown.start, shown.stop, int(min(max(800.0, 40.0 * lives), 4000.0)))
     areas, law, peak = alive.areas(place), area_cumulants(shown.model), 0.25 * np.pi * shown.model.sizes.moment(2)
     tallest = areas.max(axis=1, initial=0.0)
-    largest = int(np.argmax(np.append(tallest, 0.0)))
+    marked = int(np.argmax(np.append(tallest, 0.0) if life is None else alive.rows == life.number))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
     style.exact_band(above, law.mean, law.std)
-    panes.draw_layers(above, place, areas, largest)
+    panes.draw_layers(above, place, areas, marked)
     above.set_ylabel(style.AREA)
     below.plot(place, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.6)
     if tallest.size:
-        row = areas[largest]
-        below.plot(place[row > 0.0], row[row > 0.0], color=INK, lw=1.6, label="the largest of them")
+        row, label = areas[marked], "the largest of them" if life is None else f"junction {life.number:,}"
+        below.plot(place[row > 0.0], row[row > 0.0], color=INK, lw=1.6, label=label)
     below.axhline(peak, color=VERMILION, lw=1.2, zorder=0, label="exact mean of the area at mid-life")
     highest, even = 1.1 * max(peak, float(tallest.max(initial=0.0))), np.ones(alive.rows.size)
     panes.mark_ends(below, alive, -0.09 * highest * even, -0.18 * highest * even)
     below.set(ylim=(-0.27 * highest, highest), ylabel="junction area (µm²)", xlabel=style.DISTANCE)
     below.set_yticks([tick for tick in below.get_yticks() if 0.0 <= tick <= highest])
-    return f"{alive.rows.size} junctions and their sum"
+    return f"{alive.rows.size} junctions and their sum" if life is None else _words_of(life)
+
+
+def _words_of(life: Life) -> str:
+    ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
+    born = f"diameter {life.diameter:.4g} µm, born at {life.birth_distance:,.2f} µm{ended}"
+    share = f"{100.0 * life.peak.area_share:.3g} % of the real contact area"
+    return f"Junction {life.number:,}: {born}\n{share} at its peak"
 
 
 def draw_lifelines(figure: "Figure", stretch: Stretch) -> str:

@@ -4,12 +4,12 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 """
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from io import BytesIO
 from math import log10
-from textwrap import fill, wrap
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
@@ -189,11 +189,8 @@ CONFIDENCE: Final = 1.959963984540054
 
 AREA: Final = "real contact area (µm²)"
 DISTANCE: Final = "sliding distance (µm)"
-CHARACTERS_PER_INCH: Final = 16.0
-"""How many letters of a title a width in inches has room for."""
-
-LETTER, HANDLE = 0.55, 5.0
-"""Widths of a letter, and of all that stands beside the words of a legend's entry, over the size of its letters."""
+LETTER, HANDLE = 0.55, 9.0
+"""Width of a letter over its size, and how many letters have the width of what stands beside the words in a legend."""
 
 USUAL_WIDTH: Final = 0.775
 """Share of a figure's width that matplotlib gives a single pane before it is laid out."""
@@ -204,8 +201,7 @@ NEAREST: Final = 1e-6
 
 def put_title(figure: "Figure", *texts: str) -> None:
     """Put lines of a title over a figure; one that is wider than the figure is broken."""
-    room = max(20, int(CHARACTERS_PER_INCH * figure.figure.get_figwidth()))
-    figure.suptitle("\n".join(line for text in texts for line in wrap(text, room)), x=0.01, ha="left")
+    figure.suptitle("\n".join(texts), x=0.01, ha="left", wrap=True)
 
 
 def contact_label(model: "Model") -> str:
@@ -233,16 +229,12 @@ def add_legends(panes: Iterable["Axes"]) -> None:
 
     It has as many columns as the width of its pane has room for.
     """
-    from matplotlib import font_manager, rcParams
-
-    letter = font_manager.FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 72.0
     explained: set[str] = set()
     for axes in panes:
         named = zip(*axes.get_legend_handles_labels(), strict=True)
         new = {label: handle for handle, label in named if label not in explained}
         if new:
-            width = axes.figure.figure.get_figwidth() * axes.get_position().width / USUAL_WIDTH
-            columns = int(width / (letter * (max(map(len, new)) * LETTER + HANDLE)))
+            columns = int(_letters(axes.xaxis.label, axes.bbox.width / USUAL_WIDTH) / (max(map(len, new)) + HANDLE))
             above: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
             axes.legend(list(new.values()), list(new), ncols=min(4, max(1, columns)), **above)
         explained |= set(new)
@@ -253,56 +245,44 @@ def add_legends(panes: Iterable["Axes"]) -> None:
 NARROW: Final = 120.0 / 25.4
 """Width in inches below which a picture is narrow, as one column of a journal is: its letters are those of paper."""
 
-_ROUNDS: Final = 4
-_APART: Final = 0.08  # inches
-_BESIDE: Final = 1.3  # widths of a tick's label that it needs
+_ROUNDS: Final = 2
+_TICK: Final = 8.0  # letters of a tick's label, and what it needs beside
 _WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
-_FREE: Final = 0.94  # of the way from a title to the next pane
 _FEWEST: Final = 8  # characters of a line, however little room there is
 
 
 def fit_labels(figure: "Figure") -> None:
-    """Break labels, titles and entries of legends that are longer than their room, and thin out ticks."""
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
-    from matplotlib.text import Text
-
-    if isinstance(layout := figure.get_layout_engine(), ConstrainedLayoutEngine):
-        layout.set(h_pad=_APART)  # so that the lowest tick of a pane stays off the highest of the one below
-    before: list[str] = []
+    """Break labels and entries of legends that are longer than their room, and thin out ticks."""
     for _ in range(_ROUNDS):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of panes without any room, which have it when all is broken
             figure.draw_without_rendering()
         boxes = [axes.get_window_extent() for axes in figure.axes]
         for axes, box in zip(figure.axes, boxes, strict=True):
-            _fit_pane(axes, box, boxes, figure.bbox.width)
-        texts = [text.get_text() for text in figure.findobj(Text)]
-        if texts == before:
-            return
-        before = texts
+            beside = sum(other.y0 < box.y1 and box.y0 < other.y1 for other in boxes)
+            _fit_pane(axes, box, figure.bbox.width / beside)
 
 
-def _fit_pane(axes: "Axes", box: Any, boxes: Sequence[Any], width: float) -> None:
-    """Fit the texts of a pane into its box among those of all panes, in dots, of a figure of a width."""
+def _fit_pane(axes: "Axes", box: Any, width: float) -> None:
+    """Fit the texts of a pane into its box and a part of the figure's width, in dots."""
     from matplotlib.ticker import MaxNLocator
 
-    left = max((other.x1 for other in boxes if other.x1 <= box.x0), default=0.0)
-    right = min((other.x0 for other in boxes if other.x0 >= box.x1), default=width)
-    middle, beside = 0.5 * (box.x0 + box.x1), sum(other.y0 < box.y1 and box.y0 < other.y1 for other in boxes)
-    axes.set_title(_broken(axes.get_title(loc="left"), axes.title, _FREE * (right - box.x0)))
-    axes.set_xlabel(_broken(axes.get_xlabel(), axes.xaxis.label, 2.0 * min(middle - left, right - middle)))
+    axes.set_xlabel(_broken(axes.get_xlabel(), axes.xaxis.label, width))
     axes.set_ylabel(_broken(axes.get_ylabel(), axes.yaxis.label, box.height))
     for text in () if (legend := axes.get_legend()) is None else legend.get_texts():
-        text.set_text(_broken(text.get_text(), text, _WORDS * width / beside))
-    if isinstance(axes.xaxis.get_major_locator(), MaxNLocator) and (labels := axes.get_xticklabels()):
-        room = int(box.width / (_BESIDE * max(label.get_window_extent().width for label in labels)))
-        if len(labels) > room + 1:
-            axes.locator_params(axis="x", nbins=max(1, room))
+        text.set_text(_broken(text.get_text(), text, _WORDS * width))
+    if isinstance(axes.xaxis.get_major_locator(), MaxNLocator):
+        axes.locator_params(axis="x", nbins=min(9, 1 + int(_letters(axes.xaxis.label, box.width) / _TICK)))
+
+
+def _letters(like: Any, room: float) -> float:
+    """Return how many letters such as those of a text a room in dots has."""
+    return float(72.0 * room / (LETTER * like.get_fontsize() * like.figure.figure.dpi))
 
 
 def _broken(words: str, like: Any, room: float) -> str:
     """Return words, broken between them if in the letters of a text they are longer than a room in dots."""
-    most = max(_FEWEST, int(72.0 * room / (LETTER * like.get_fontsize() * like.figure.figure.dpi)))
+    most = max(_FEWEST, int(_letters(like, room)))
     if max(map(len, words.split("\n"))) <= most:
         return words
     return fill(" ".join(words.split()), most, break_long_words=False)

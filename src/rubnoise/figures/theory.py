@@ -35,7 +35,7 @@ def theory_figure(model: Model, title: str) -> "Figure":
     figure = style.new_figure(7.6, 5.6)
     moments = f"What is exact: real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
     whose = f"{style.shortened(title)}: {style.contact_label(model)}"
-    figure.suptitle(f"{moments}\n{whose}", x=0.01, ha="left", fontsize=10.0)
+    style.put_title(figure, moments, whose)
     panes: dict[str, Callable[[Axes, Model], None]] = {
         "Distribution": _draw_law,
         "Autocovariance": _draw_covariance,
@@ -49,6 +49,7 @@ def theory_figure(model: Model, title: str) -> "Figure":
         axes.set_title(heading)
         try:
             panes[heading](axes, model)
+            axes.legend()
         except Refused as refusal:
             axes.text(0.5, 0.5, fill(str(refusal), 40), transform=axes.transAxes, ha="center", va="center")
             axes.set(xticks=[], yticks=[])
@@ -70,16 +71,14 @@ def _draw_law(axes: "Axes", model: Model) -> None:
     axes.set(xlabel=style.AREA, ylabel="density (1/µm²)", xlim=(first, span[-1]))
     # A density that is singular at 0 must not flatten the rest.
     axes.set_ylim(0.0, min(1.1 * float(density[np.isfinite(density)].max()), 6.0 * float(bell.max())))
-    axes.legend(loc="upper right")
 
 
 def _draw_covariance(axes: "Axes", model: Model) -> None:
     lag = np.linspace(0.0, max(covariance_reach(model, LITTLE), 1.25 * model.mean_life_distance), LAGS)
     axes.axhline(0.0, color=style.FAINT, lw=0.6)
-    axes.plot(lag, autocovariance(model, lag), color=style.VERMILION, lw=1.6)
+    axes.plot(lag, autocovariance(model, lag), color=style.VERMILION, lw=1.6, label="exact")
     axes.axvline(model.mean_life_distance, color=style.FAINT, lw=0.8, ls=(0, (2, 2)), label="mean life")
     axes.set(xlim=(0.0, lag[-1]), xlabel="lag (µm)", ylabel="covariance (µm⁴)")
-    axes.legend(loc="upper right")
 
 
 def _draw_spectrum(axes: "Axes", model: Model) -> None:
@@ -103,7 +102,6 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
         axes.set_ylim(0.05 * float(level[-1]), 5.0 * density[0])
     style.logarithmic(axes.xaxis, axes.yaxis)
     axes.set(xlim=(wavenumber[0], wavenumber[-1]), xlabel="wavenumber (rad/µm)", ylabel="µm⁴ per rad/µm")
-    axes.legend(loc="lower left")
 
 
 def _draw_response(axes: "Axes", model: Model) -> None:
@@ -112,6 +110,6 @@ def _draw_response(axes: "Axes", model: Model) -> None:
     density = 2.0 * motion_spectrum("displacement", model, 2.0 * pi * place)
     if not density.any():
         raise Refused("no spectrum beside lines")
-    axes.plot(place, density, color=style.VERMILION, lw=1.6)
+    axes.plot(place, density, color=style.VERMILION, lw=1.6, label="exact")
     style.logarithmic(axes.xaxis, axes.yaxis)
     axes.set(xlim=(place[0], place[-1]), xlabel="frequency (Hz)", ylabel="µm²/Hz")

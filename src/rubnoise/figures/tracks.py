@@ -78,6 +78,11 @@ class Stretch:
         """Return the stretch itself if the user chose it, else its beginning of a width in um."""
         return self if self.chosen else replace(self, stop=min(self.stop, self.start + width))
 
+    def about(self, begin: float, end: float, margin: float) -> Self:
+        """Return as much of the run as lies between two distances in um, and a part of their difference beyond."""
+        beyond = margin * (end - begin)
+        return replace(self, start=max(begin - beyond, 0.0), stop=min(end + beyond, self.model.distance), chosen=True)
+
     def whole(self) -> Self:
         """Return the whole run."""
         return replace(self, start=0.0, stop=self.model.distance)

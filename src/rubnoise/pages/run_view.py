@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.analysis.landmarks import Flights, Sticks
-from rubnoise.analysis.selection import first_row, neighbours
+from rubnoise.analysis.selection import neighbours
 from rubnoise.errors import Refused
 from rubnoise.figures.tracks import Stretch, lowest_and_highest
 from rubnoise.model import Model
@@ -109,8 +109,8 @@ def _lives(stretch: Stretch) -> dict[str, Any]:
     if bytes_of(file) <= LIVES_BYTES:
         rows, (start, stop) = np.arange(file.rows("junctions")), (0.0, stretch.model.distance)
     else:
-        shown = neighbours(file, -1, start, stop, touches=True)
-        rows = neighbours(file, -1, float(shown.birth.min()), float(shown.death.max()), touches=True).rows
+        shown = neighbours(file, start, stop, touches=True)
+        rows = neighbours(file, float(shown.birth.min()), float(shown.death.max()), touches=True).rows
     return {"start": start, "stop": stop, **lives(file, rows, timed=stretch.model.is_two_way)}
 
 
@@ -130,13 +130,11 @@ def _landmarks(stretch: Stretch) -> dict[str, Any]:
     times = file.column("slider", "time", first, last)
     begin, end = (float(times[0]), float(times[-1])) if times.size else (0.0, 0.0)
     found = Sticks.of(file, begin, end)
-    rows = [first_row(file, "landmarks", "time", each) for each in (begin, end)]
-    kind, time, place = (file.column("landmarks", name, *rows) for name in ("kind", "time", "displacement"))
-    turns = kind == LandmarkKind.REVERSAL
+    turns = found.rows["kind"] == LandmarkKind.REVERSAL
     return {
         "begin": packed(found.begin),
         "end": packed(found.end),
-        "reversals": {"time": packed(time[turns]), "displacement": packed(place[turns])},
+        "reversals": {name: packed(found.rows[name][turns]) for name in ("time", "displacement")},
     }
 
 
