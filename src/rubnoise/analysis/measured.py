@@ -45,11 +45,13 @@ _QUANTILES: Final = 1 << 17
 class AreaNoise:
     """Spectrum and autocovariance of real contact area, from every ``stride``-th tick on from the ``first``.
 
-    Fine ticks so cost no more than they are worth; a ``segment`` and ``lags`` count strides.
+    Fine ticks so cost no more than they are worth; a ``segment`` and ``lags`` count strides, of ``step`` um. The
+    attribute ``lags`` is in um.
     """
 
     def __init__(self, model: Model, first: int, stride: int, segment: int, lags: Integers) -> None:
-        self.lags, self.step = lags, stride * model.tick
+        self.step = stride * model.tick
+        self.lags = self.step * lags.astype(np.float64)
         self.spectrum, self.products = WelchSum(segment, self.step), CovarianceSum(lags, area_cumulants(model).mean)
         self._first, self._stride = first, stride
 
