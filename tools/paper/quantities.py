@@ -8,11 +8,11 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from scipy.stats import skew, variation
 
-from rubnoise.analysis.records import autocovariance as sample_autocovariance
 from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.distributions import Fixed
+from rubnoise.inference.signal import autocovariance as sample_autocovariance
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import ContactKind
