@@ -77,12 +77,6 @@ def settled(model: Model) -> dict[str, int | None]:
     }
 
 
-def stationary_part(model: Model) -> Model:
-    """Return the model of the record that is left after an empty start; of all of a run too short to forget it."""
-    first = settled(model)["trace"]
-    return over_ticks(model, model.tick_count + 1 - first, model.tick) if first else model
-
-
 def needed_for_mean(model: Model) -> float:
     """Return the length in um from which a mean over a record of the contact has a score: 50 lives, 1000 births."""
     return max(FEWEST_LIVES * model.mean_life_distance, FEWEST_BIRTHS * model.mean_birth_spacing)

@@ -13,7 +13,7 @@ import numpy as np
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.measured import AreaNoise, Measured
-from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors, stationary_part
+from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors, over_ticks
 from rubnoise.analysis.records import HistogramSum
 from rubnoise.analysis.spectra import band_powers, bands_of, hann
 from rubnoise.arrays import Doubles
@@ -69,7 +69,9 @@ class SummarySink(Measured):
 
     def __init__(self, model: Model) -> None:
         super().__init__(model)
-        self._part = part = stationary_part(model)
+        first = self.first["trace"]
+        # What is left after an empty start; all of a run too short to forget it.
+        self._part = part = over_ticks(model, model.tick_count + 1 - first, model.tick) if first else model
         stride = max(1, floor(part.mean_life_distance / part.tick / _MOST_TICKS_A_LIFE))
         ticks, life = part.tick_count // stride + 1, part.mean_life_distance / (stride * part.tick)
         reach = max(1, min(round(_LIVES_A_REACH * life), ticks // _FEWEST_SEGMENTS))
@@ -79,7 +81,7 @@ class SummarySink(Measured):
         segment = max(_FEWEST_TICKS, 2 ** floor(log2(max(most, 1.0))))
         self._segments = max(0, (ticks - segment) // (segment // 2) + 1)
         self._bands = bands_of(segment // 2 + 1, BANDS) if self._segments else []
-        self._noise = AreaNoise(part, self.first["trace"], stride, segment, lags)
+        self._noise = AreaNoise(part, first, stride, segment, lags)
         self._histogram = HistogramSum(
             _edges(part), ceil(_CORRELATIONS_A_BATCH * _correlation_length(part) / part.tick)
         )
