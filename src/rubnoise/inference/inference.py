@@ -132,8 +132,7 @@ def infer_signal(
     """Return the inference of a signal from its spectrum, and from its mean if the zero of the sensor is known.
 
     Strokes of both ways show the zero themselves. ``strength`` in MPa is E[psi], if it is known; ``masked`` are
-    ranges in cycles per um that are left out; ``drift`` adds a random walk; ``assumed`` are the assumptions; ``law`` is
-    one of LAWS, or all are compared.
+    ranges in cycles per um that are left out; ``drift`` adds a random walk; ``assumed`` are the assumptions.
     """
     values = np.asarray(signal.values, dtype=np.float64)
     if reason := _no_trace(values, signal, zero):
