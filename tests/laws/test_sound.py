@@ -12,7 +12,7 @@ import pytest
 from scipy.signal import firwin, resample_poly
 
 import rubnoise
-from rubnoise.analysis.sound import CROSSINGS, PASSED, Sound, level_of, output_count, resampled
+from rubnoise.analysis.sound import CROSSINGS, PASSED, Sound, output_count, resampled
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.sound import STEPS
@@ -47,11 +47,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunFile]:
 def _heard(run: RunFile, what: Any, speed_up: float) -> tuple[np.ndarray, float]:
     """Return the samples as the file holds them, in the unit of the column, and the step of their rounding."""
     sound = Sound.of(run, what, rate=RATE, speed_up=speed_up)
-    level = level_of(sound)
     assert sound.speed_up == speed_up
-    samples = np.concatenate(list(level.pieces(lambda: None)))
+    samples = np.concatenate(list(sound.pieces(sound.full_scale, lambda: None)))
     assert samples.size == sound.samples
-    step = level.full_scale / STEPS
+    step = sound.full_scale / STEPS
     return np.rint(samples * STEPS) * step, step
 
 

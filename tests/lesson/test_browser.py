@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.records import autocovariance as sample_autocovariance
+from rubnoise.inference.signal import autocovariance as sample_autocovariance
 from rubnoise.inference.signal import half_width_of
 from rubnoise.lesson.page import LAWS, readings
 from rubnoise.scenario.reading import load

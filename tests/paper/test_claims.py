@@ -275,9 +275,17 @@ def test_a_verdict_follows_from_exact_number_and_interval(verdict: str, claim: C
     assert as_row(claim, claim.numbers[0])["verdict"] == verdict
 
 
-def test_an_exponent_has_the_error_of_both_its_points() -> None:
+def test_agreement_is_as_strict_as_four_standard_deviations_of_a_normal_number() -> None:
+    many, few = (PooledEstimate(value=0.0, standard_error=1.0, runs=runs) for runs in (100_000, 4))
+    assert _claim(3.99, many).numbers[0].agrees
+    assert not _claim(4.01, many).numbers[0].agrees
+    assert _claim(4.5, few).numbers[0].agrees, "few runs know their own error badly"
+
+
+def test_a_difference_and_an_exponent_have_the_errors_of_both_their_points() -> None:
     near = PooledEstimate(value=3.0, standard_error=0.3, runs=8)
     far = PooledEstimate(value=12.0, standard_error=0.6, runs=4)
+    assert (Number(far, nan) - Number(near, nan)).simulated == replace(far, value=9.0, standard_error=0.45**0.5)
     found = exponent(Number(near, 3.0), Number(far, 48.0), 4.0)
     assert (found.simulated.value, found.simulated.runs) == (pytest.approx(1.0), 4)
     assert found.simulated.standard_error == pytest.approx((0.1**2 + 0.05**2) ** 0.5 / log(4.0))

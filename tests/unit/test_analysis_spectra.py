@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rubnoise.analysis.records import CovarianceSum, HistogramSum, autocovariance
+from rubnoise.analysis.records import CovarianceSum, HistogramSum
 from rubnoise.analysis.sound import (
     CROSSINGS,
     PASSED,
@@ -21,6 +21,7 @@ from rubnoise.analysis.sound import (
 )
 from rubnoise.analysis.spectra import Band, band_powers, hann, welch
 from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.inference.signal import autocovariance
 from rubnoise.model import Model
 from rubnoise.storage.sound import STEPS, write_wave
 from rubnoise.theory.sampling import expected_periodogram

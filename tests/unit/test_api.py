@@ -13,7 +13,7 @@ import xarray as xr
 import rubnoise
 from rubnoise import Junction
 from rubnoise.analysis.findings import from_attributes
-from rubnoise.analysis.run_summary import curve_theory
+from rubnoise.analysis.run_summary import SummarySink
 from rubnoise.contact.pulses import LENS
 from rubnoise.errors import RunFileRefused, RunStopped, ScenarioRefused
 from rubnoise.record.rows import JunctionState
@@ -221,6 +221,6 @@ def test_a_summary_is_that_of_the_run_with_a_file(tmp_path: Path) -> None:
 
 def test_what_is_expected_comes_once_a_point(tmp_path: Path) -> None:
     first, second = (summarised(p.scenario, first=not p.replicate) for p in expand(sweep_of(tmp_path, GRID))[:2])
-    theory = curve_theory(expand(sweep_of(tmp_path, GRID))[0].scenario.model())
+    theory = SummarySink(expand(sweep_of(tmp_path, GRID))[0].scenario.model()).theory()
     assert first.keys() - second.keys() == theory.keys()
     assert first["spectrum_place"].tobytes() == theory["spectrum_place"].tobytes()

@@ -16,7 +16,7 @@ from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.measured import Measured
 from rubnoise.analysis.replicates import pooled, ratio, ratio_of_pairs
-from rubnoise.analysis.run_summary import CURVES, RunLayout, SummarySink, curve_theory
+from rubnoise.analysis.run_summary import CURVES, SummarySink
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
@@ -63,7 +63,7 @@ def _chi(told: Model, simulated: Model, curve: str, runs: int, name: str) -> flo
     """Return the mean square score of the mean curve of some runs; about 1 where theory is right."""
     first = seed_of(f"run_summary/{name}/{curve}")
     values = np.stack([_summary(simulated, first + n)[curve] for n in range(runs)])
-    expected, error = (curve_theory(told)[f"{curve}_{part}"] for part in ("expected", "standard_error"))
+    expected, error = (SummarySink(told).theory()[f"{curve}_{part}"] for part in ("expected", "standard_error"))
     used = np.isfinite(error)
     assert used.sum() > 90
     score = (values.mean(axis=0) - expected)[used] / error[used] * runs**0.5
@@ -85,14 +85,14 @@ def test_curves_are_where_theory_expects_them_and_not_where_another_does(curve: 
 
 @pytest.mark.slow
 def test_histograms_are_where_theory_expects_them() -> None:
-    theory = curve_theory(RUN)
+    theory = SummarySink(RUN).theory()
     first = seed_of("run_summary/histogram")
     values = np.stack([_summary(RUN, first + n)["histogram"] for n in range(40)])
     well_filled = theory["histogram_expected"] > 1e-3
     assert well_filled.sum() >= 15
     error = values.std(axis=0, ddof=1)[well_filled] / 40**0.5
     assert np.abs((values.mean(axis=0) - theory["histogram_expected"])[well_filled] / error).max() <= 4.5
-    wrong = curve_theory(bare(distance=3000.0, count=30.0))
+    wrong = SummarySink(bare(distance=3000.0, count=30.0)).theory()
     shifted = np.interp(theory["histogram_place"], wrong["histogram_place"], wrong["histogram_expected"])
     assert np.abs((values.mean(axis=0) - shifted)[well_filled] / error).max() > 9.0
     assert "histogram_standard_error" not in theory
@@ -111,7 +111,7 @@ def test_histograms_are_where_theory_expects_them() -> None:
 )
 def test_theory_is_silent_where_it_cannot_be_defended(run: Model, silent: tuple[str, ...]) -> None:
     for curve in ("spectrum", "autocovariance"):
-        theory = curve_theory(run)
+        theory = SummarySink(run).theory()
         for name in ("expected", "standard_error"):
             assert bool(np.isfinite(theory[f"{curve}_{name}"]).any()) == (name not in silent)
         assert np.isfinite(theory[f"{curve}_place"]).any()
@@ -132,9 +132,10 @@ def test_runs_of_any_kind_are_summed_up(run: Model) -> None:
     for name, size in CURVES.items():
         assert seen[name].shape == (size,)
         assert not np.isinf(seen[name]).any()
-    for name, values in curve_theory(run).items():
+    for name, values in SummarySink(run).theory().items():
         assert values.size == CURVES[name.rpartition("_")[0].removesuffix("_standard")]
-    assert float(seen["histogram"].sum() * np.diff(RunLayout.of(run).edges)[0]) == pytest.approx(1.0, abs=1e-9)
+    width = np.diff(SummarySink(run).theory()["histogram_place"])[0]
+    assert float(seen["histogram"].sum() * width) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_means_are_pooled_as_they_are_and_standard_deviations_as_squares() -> None:

@@ -8,12 +8,14 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from math import inf, isfinite, isnan, log, log10, nan, pi
+from math import hypot, inf, isfinite, isnan, log, log10, nan, pi
 from pathlib import Path
 from typing import Any, Final
 
+from scipy.special import ndtr, stdtrit
+
 from paper.quantities import QUANTITIES, Band, Quantity, Run
-from rubnoise.analysis.replicates import PooledEstimate, difference, estimate, ratio
+from rubnoise.analysis.replicates import PooledEstimate, estimate, ratio
 from rubnoise.api.running import simulate
 from rubnoise.model import Model
 from rubnoise.scenario.shipped import shipped
@@ -38,7 +40,11 @@ class Number:
 
     def __sub__(self, other: "Number | float") -> "Number":
         taken = _number(other)
-        return Number(difference(self.simulated, taken.simulated), self.exact - taken.exact)
+        one, two = self.simulated, taken.simulated
+        error, runs = hypot(one.standard_error, two.standard_error), min(one.runs, two.runs)
+        return Number(
+            PooledEstimate(value=one.value - two.value, standard_error=error, runs=runs), self.exact - taken.exact
+        )
 
     def __rsub__(self, other: float) -> "Number":
         return _number(other) - self
@@ -52,7 +58,7 @@ class Number:
         return _number(other) / self
 
     def __rmul__(self, factor: float) -> "Number":
-        return Number(self.simulated.times(factor), factor * self.exact)
+        return self.changed(lambda value: factor * value, factor)
 
     def changed(self, by: Callable[[float], float], slope: float) -> "Number":
         """Return a function of the number, whose error grows by its slope."""
@@ -106,8 +112,10 @@ class Claimed:
 
     @property
     def agrees(self) -> bool:
-        """Whether simulation and theory agree, if theory has a number."""
-        return isnan(self.found.exact) or self.found.simulated.agrees_with(self.found.exact, self.rounding)
+        """Whether theory has no number, or one within four standard errors (as probable a distance for few runs)."""
+        runs, exact = self.found.simulated, self.found.exact
+        reach = float(stdtrit(runs.runs - 1, ndtr(4.0))) * runs.standard_error if runs.runs > 1 else inf
+        return isnan(exact) or abs(runs.value - exact) <= max(reach, self.rounding)
 
     def lies_in(self, ends: Sequence[float]) -> bool:
         """Whether the exact number and the runs lie in a range.

@@ -6,12 +6,13 @@ from math import inf, nan, pi
 from typing import Any, Final, NamedTuple
 
 import numpy as np
+from scipy.stats import skew, variation
 
-from rubnoise.analysis.records import autocovariance as sample_autocovariance
 from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.distributions import Fixed
+from rubnoise.inference.signal import autocovariance as sample_autocovariance
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import ContactKind
@@ -141,18 +142,9 @@ def _exact_present(model: Model) -> float:
     return moment(3) / (moment(1) * moment(2))
 
 
-def _relative_std(run: Run) -> float:
-    return float(run["area"].std() / run["area"].mean())
-
-
 def _exact_relative_std(model: Model) -> float:
     area = area_cumulants(model)
     return area.std / area.mean
-
-
-def _skewness(run: Run) -> float:
-    area = run["area"]
-    return float(np.mean((area - area.mean()) ** 3) / area.std() ** 3)
 
 
 def _half_width(run: Run) -> float:
@@ -227,11 +219,11 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "present": Quantity(_present, _exact_present),
     "area_mean": Quantity(_mean("area"), lambda model: exact(model).area.mean),
     "area_std": Quantity(_std("area"), lambda model: area_cumulants(model).std),
-    "area_relative_std": Quantity(_relative_std, _exact_relative_std),
+    "area_relative_std": Quantity(lambda run: float(variation(run["area"])), _exact_relative_std),
     "area_relative_variance": Quantity(
-        lambda run: _relative_std(run) ** 2, lambda model: _exact_relative_std(model) ** 2
+        lambda run: float(variation(run["area"])) ** 2, lambda model: _exact_relative_std(model) ** 2
     ),
-    "area_skewness": Quantity(_skewness, lambda model: area_cumulants(model).skewness),
+    "area_skewness": Quantity(lambda run: float(skew(run["area"])), lambda model: area_cumulants(model).skewness),
     "area_half_width": Quantity(_half_width, _exact_half_width),
     "count_mean": Quantity(_mean("count"), lambda model: exact(model).count_mean),
     "count_variance": Quantity(lambda run: float(run["count"].var()), lambda model: exact(model).count_variance),

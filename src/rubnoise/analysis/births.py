@@ -162,8 +162,8 @@ def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float
 
 def sums(seen: MeasuredRun) -> Iterator[Row]:
     """Yield how far area, count and force of the trace are from the sums over lives; only rounding is allowed."""
-    model, largest, found = seen.model, seen.largest, seen.sampled
-    area, count, force = np.abs(found - seen.sums[:, : found.shape[1]]).max(axis=1, initial=0.0).tolist()
+    model, largest = seen.model, seen.largest
+    area, count, force = np.abs(seen.sampled - seen.sums).max(axis=1, initial=0.0).tolist()
     reach, most_alive = model.distance + 2.0 * largest, max(1.0, float(seen.sums[1].max(initial=0.0)))
     # Distances are known to a rounding of the farthest; so are ages, and areas by their slope of at most pi d/2.
     rounding = most_alive * largest * (AREA_ROUNDING * largest + 4.0 * ROUNDING * reach)

@@ -67,10 +67,9 @@ def memory(seen: MeasuredRun) -> Iterator[Row]:
     It is taken about the mean of the record, which makes it smaller by the variance of that mean.
     """
     model, stretch, length = _stretch(seen, "the error of an autocovariance")
-    step = seen.noise.step
-    lags = step * seen.noise.lags.astype(np.float64)
+    lags = seen.noise.lags
     exact = autocovariance(model, lags) - area_noise(stretch).variance_of_mean()
-    errors, found = covariance_errors(model, lags, length, step), seen.noise.products.covariances()
+    errors, found = covariance_errors(model, lags, length, seen.noise.step), seen.noise.products.covariances()
     scale, tail = float(autocovariance(model, np.zeros(1))[0]), findings.tail_of(model, length, 5)
     for lag, *values in zip(lags.tolist(), found.tolist(), exact.tolist(), errors.tolist(), strict=True):
         name = f"real_contact_area_autocovariance_{lag:.3g}"

@@ -63,16 +63,13 @@ def _count_errors(record: Model, _length: float) -> dict[str, float]:
 
 
 def _force_errors(record: Model, length: float) -> dict[str, float]:
-    """Return the errors of mean and, for Poisson births, spread: Cov = E[psi^4] kappa_22 + 2 (E[psi^2] kappa_11)^2."""
+    """Return the errors of mean and, for Poisson births, spread."""
     if record.separation is not None:
         found = sampling.load_errors(record, length)
         return {"mean": found["force_mean"], "std": found["force_std"]}
     if not second_order.are_at_random(record):
         return {"mean": sampling.mean_force_error(record)}
-    (lags, weights), psi = second_order.lag_rule(record), strengths_of(record)
-    single = psi.moment(4) * second_order.joint_cumulant(record, lags, 2, 2)
-    square = float(weights @ (single + 2.0 * (psi.moment(2) * second_order.autocovariance(record, lags)) ** 2))
-    return {"mean": sampling.mean_force_error(record), "std": sqrt(square) / (2.0 * force_cumulants(record).std)}
+    return sampling.standard_errors(record, strengths=strengths_of(record))
 
 
 def _motion_errors(record: Model, length: float) -> dict[str, float]:

@@ -45,11 +45,13 @@ _QUANTILES: Final = 1 << 17
 class AreaNoise:
     """Spectrum and autocovariance of real contact area, from every ``stride``-th tick on from the ``first``.
 
-    Fine ticks so cost no more than they are worth; a ``segment`` and ``lags`` count strides.
+    Fine ticks so cost no more than they are worth; a ``segment`` and ``lags`` count strides, of ``step`` um. The
+    attribute ``lags`` is in um.
     """
 
     def __init__(self, model: Model, first: int, stride: int, segment: int, lags: Integers) -> None:
-        self.lags, self.step = lags, stride * model.tick
+        self.step = stride * model.tick
+        self.lags = self.step * lags.astype(np.float64)
         self.spectrum, self.products = WelchSum(segment, self.step), CovarianceSum(lags, area_cumulants(model).mean)
         self._first, self._stride = first, stride
 
@@ -211,8 +213,9 @@ class Measured:
 class MeasuredRun(Measured):
     """Beside moments the area as noise, the births, sums of lives, and deviations from exact relations.
 
-    ``off`` holds the largest deviation from each of `relations` and the largest value, by name; ``sums`` what the rows
-    of /junctions make of area, count and force at the ticks of ``sampled``, ``apart`` ticks from each other.
+    ``off`` holds the largest deviation from each of `relations` and the largest value, by name. ``sampled`` are areas
+    (um^2), counts and forces (uN) at ticks that share no junction, ``apart`` ticks from each other; ``sums`` what the
+    rows of /junctions make of them.
     """
 
     def __init__(self, model: Model) -> None:
@@ -228,20 +231,14 @@ class MeasuredRun(Measured):
         segment = max(_FEWEST_TICKS, 2 ** ceil(np.log2(max(_LIVES_A_SEGMENT * life, 1.0))))
         lags = np.unique([max(1, round(share * life)) for share in _LAGS])
         self.noise = AreaNoise(model, self.first["trace"], stride, segment, lags)
-        self._sampled: list[Doubles] = [np.empty((3, 0))]
         self.apart = int(longest) + 2
         self._first = self.first["trace"] % self.apart
         self._ticks = model.tick * np.arange(self._first, model.tick_count + 1, self.apart)
-        self.sums = np.zeros((3, self._ticks.size))
+        self.sums, self.sampled = np.zeros((2, 3, self._ticks.size))
 
     def ticks(self) -> int:
         """Return the number of ticks that figures of the trace are over."""
         return next((seen.count for (group, _), seen in self.moments.items() if group == "trace"), 0)
-
-    @property
-    def sampled(self) -> Doubles:
-        """Areas (um^2), counts and forces (uN) at ticks that share no junction, from the first one on."""
-        return np.concatenate(self._sampled, axis=1)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Add rows of a group (see Sink); those of /slider over a base and of /load come with the trace beside them."""
@@ -263,8 +260,10 @@ class MeasuredRun(Measured):
         self.zero_ticks += int((count[self.skipped("trace", first_row, columns) :] == 0).sum())
         self.noise.add(first_row, area)
         force = columns.get("friction_force", np.zeros(area.size))
-        places = slice((self._first - first_row) % self.apart, None, self.apart)
-        self._sampled.append(np.stack([area[places], count[places].astype(np.float64), force[places]]))
+        place = (self._first - first_row) % self.apart
+        seen = np.stack([area, count, force])[:, place :: self.apart]
+        begin = (first_row + place) // self.apart
+        self.sampled[:, begin : begin + seen.shape[1]] = seen
 
     def _sum_up(self, columns: Columns) -> None:
         """Add the lives at ticks so far apart that each is alive at one of them at most."""

@@ -11,7 +11,6 @@ import numpy as np
 from rubnoise.analysis.findings import LARGEST_ERROR
 from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
-from rubnoise.contact.distributions import Fixed
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, load_motion, weak_motion
@@ -19,6 +18,7 @@ from rubnoise.theory.motion import contact_drive_of, response
 from rubnoise.theory.sampling import motion_errors
 from rubnoise.theory.second_order import are_at_random, autocovariance
 from rubnoise.theory.sizes import COARSE, longest_life, sizes_of
+from rubnoise.theory.unit_pulse import area_life
 
 _FORGOTTEN: Final = 1e-3
 """Part of its spread that the start of a motion still adds where it counts as forgotten."""
@@ -77,12 +77,6 @@ def settled(model: Model) -> dict[str, int | None]:
     }
 
 
-def stationary_part(model: Model) -> Model:
-    """Return the model of the record that is left after an empty start; of all of a run too short to forget it."""
-    first = settled(model)["trace"]
-    return over_ticks(model, model.tick_count + 1 - first, model.tick) if first else model
-
-
 def needed_for_mean(model: Model) -> float:
     """Return the length in um from which a mean over a record of the contact has a score: 50 lives, 1000 births."""
     return max(FEWEST_LIVES * model.mean_life_distance, FEWEST_BIRTHS * model.mean_birth_spacing)
@@ -137,19 +131,15 @@ def covariance_errors(model: Model, lag: Doubles, length: float, tick: float) ->
     """
     longest = 2.0 * model.sizes.support[1]
     step = max(tick, longest / _GRID)
-    reach = int(np.ceil(longest / step)) + 1
-    grid = step * np.arange(reach + 1)
-    covariance = autocovariance(model, grid)
-
-    def at(places: Doubles) -> Doubles:
-        return np.interp(np.abs(places), grid, covariance, right=0.0)
-
-    u = step * np.arange(-2 * reach, 2 * reach + 1, dtype=np.float64)
-    gaussian = [step * float((at(u) ** 2 + at(u + tau) * at(u - tau)).sum()) for tau in lag.tolist()]
-    sizes = sizes_of(model.sizes, COARSE)
-    alike = [replace(model, sizes=Fixed(value=d)) for d in sizes.diameter.tolist()]
-    shared = np.stack([autocovariance(each, lag) for each in alike]) / model.birth_rate
-    return np.sqrt((np.array(gaussian) + model.birth_rate * (sizes.probability @ np.square(shared))) / length)
+    reach = ceil(longest / step) + 1
+    half = autocovariance(model, step * np.arange(reach + 1))
+    covariance = np.concatenate([half[:0:-1], half])
+    # R is even, so that int R(u + tau) R(u - tau) du is its convolution with itself at 2 tau.
+    pairs = step * np.convolve(covariance, covariance)
+    gaussian = pairs[2 * reach] + np.interp(2.0 * lag, step * np.arange(-2 * reach, 2 * reach + 1), pairs, right=0.0)
+    sizes, overlap = sizes_of(model.sizes, COARSE), area_life(model.pulse).overlap
+    shared = np.stack([d**5 * overlap(lag / d) for d in sizes.diameter.tolist()])
+    return np.sqrt((gaussian + model.birth_rate * (sizes.probability @ np.square(shared))) / length)
 
 
 WORTH_A_WARNING: Final = 0.1

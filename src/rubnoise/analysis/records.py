@@ -1,6 +1,4 @@
-"""A record: its autocovariance, and its density with standard errors.
-
-numpy's transforms have the bits and the speed of scipy's, and importing scipy takes longer than all of numpy.
+"""A record that comes in pieces: its autocovariance, and its density with standard errors.
 
 Batch means give a standard error from the record alone: the means m of B parts are nearly independent, so the error of
 their mean is sqrt(sum of (m - mean)^2 / (B (B - 1))).
@@ -14,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles, Integers
+from rubnoise.inference.signal import autocovariance
 from rubnoise.tables import fields_as_text
 
 
@@ -56,18 +55,6 @@ def batch_length(values: Doubles) -> int:
     if length * FEWEST_BATCHES > values.size:
         return values.size
     return min(ceil(length), values.size // FEWEST_BATCHES)
-
-
-def autocovariance(values: Doubles, reach: int) -> Doubles:
-    """Return the autocovariance of a record at lags of 0 to ``reach`` ticks, in the square of its unit.
-
-    R_j = (1/n) sum over i of (x_i - mean)(x_(i+j) - mean) of n values: dividing by n and not by n - j keeps the noise
-    of long lags small, and makes R_j smaller than its expectation by a part j/n, and by the variance of the mean.
-    Source: Priestley, Spectral Analysis and Time Series, section 5.3.
-    """
-    size = 1 << (values.size + reach - 1).bit_length()  # a power of two, whose transform is fast
-    power = np.square(np.abs(np.fft.rfft(values - values.mean(), size)))
-    return np.asarray(np.fft.irfft(power, size)[: reach + 1] / values.size, dtype=np.float64)
 
 
 class CovarianceSum:

@@ -1,15 +1,11 @@
 """A number with its standard error and confidence interval, from one record or from the replicates of one point."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import hypot, inf, isfinite, nan, sqrt
 from typing import Final
 
 import numpy as np
-
-_TAIL = 0.025
-_FOUR_SIGMA = 3.1671241833119857e-05
-"""Chance that a normal number lies more than four standard deviations above its mean."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,27 +23,16 @@ class PooledEstimate:
     @property
     def reach(self) -> float:
         """Half the width of the 95 % interval: by Student's law for the runs, or a normal law with theory's error."""
-        return self._reach(_TAIL)
+        from scipy.special import ndtri, stdtrit
+
+        if self.from_theory:
+            return float(ndtri(0.975)) * self.standard_error
+        return float(stdtrit(self.runs - 1, 0.975)) * self.standard_error if self.runs > 1 else inf
 
     @property
     def interval(self) -> tuple[float, float]:
         """The 95 % interval."""
         return self.value - self.reach, self.value + self.reach
-
-    def agrees_with(self, exact: float, rounding: float = 0.0) -> bool:
-        """Whether an exact value lies within four standard errors (within as probable a distance for few runs)."""
-        return abs(self.value - exact) <= max(self._reach(_FOUR_SIGMA), rounding)
-
-    def times(self, factor: float) -> "PooledEstimate":
-        """Return the estimate times an exact number."""
-        return replace(self, value=factor * self.value, standard_error=abs(factor) * self.standard_error)
-
-    def _reach(self, tail: float) -> float:
-        from scipy.special import ndtri, stdtrit
-
-        if self.from_theory:
-            return float(ndtri(1.0 - tail)) * self.standard_error
-        return float(stdtrit(self.runs - 1, 1.0 - tail)) * self.standard_error if self.runs > 1 else inf
 
 
 UNKNOWN: Final = PooledEstimate(value=nan, standard_error=inf, runs=0)
@@ -58,12 +43,6 @@ def estimate(values: Sequence[float]) -> PooledEstimate:
     found = np.asarray(values, dtype=np.float64)
     error = _error(found) if found.size > 1 else inf
     return PooledEstimate(value=float(found.mean()), standard_error=error, runs=found.size)
-
-
-def difference(first: PooledEstimate, second: PooledEstimate) -> PooledEstimate:
-    """Return first - second for independent runs; the fewer runs count."""
-    error = hypot(first.standard_error, second.standard_error)
-    return PooledEstimate(value=first.value - second.value, standard_error=error, runs=min(first.runs, second.runs))
 
 
 LARGEST: Final = 1e75

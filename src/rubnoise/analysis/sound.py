@@ -3,18 +3,21 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from math import ceil, floor, inf, log10, pi
 from typing import Final, Literal, Self
 
 import numpy as np
 
-from rubnoise.analysis.spectra import Spectrum, welch
+from rubnoise.analysis.measured import UNITS
+from rubnoise.analysis.moments import forgetting
+from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles, slices
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader
 from rubnoise.scenario.reading import stored
-from rubnoise.storage import schema
+from rubnoise.storage.sound import check_length
 
 Heard = Literal["displacement", "velocity", "force", "normal-velocity", "load"]
 """What of a slider is heard, and has a spectrum over frequency."""
@@ -32,13 +35,31 @@ _FEWEST_TICKS, _MOST_TICKS = 16, 1 << 17  # of one
 _NOTHING: Final = 1e-9  # of the mean: what varies less is rounding
 
 
+EAR, COMFORTABLE, LAPTOP = (20.0, 20_000.0), (100.0, 5000.0), (200.0, 4000.0)
+"""Frequencies in Hz that the young and healthy hear, that most people hear well, and that a laptop plays."""
+
+_AIM: Final = 300.0  # Hz, to which a suggestion moves the middle of the power
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Hearing:
+    """Shares of a sound's power between 20 Hz and 20 kHz, and in the band of a laptop's loudspeaker.
+
+    ``middle`` is the frequency in Hz below which half of the power lies.
+    """
+
+    audible: float
+    laptop: float
+    middle: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sound:
     """Rows of a column of a run, from ``first`` on, that are heard as samples, ``rate`` a second.
 
     Before ``first`` the start of the normal motion under a load decays. ``ratio`` is samples over ticks, and
-    ``tick_duration`` the time in s from tick to tick in the run. The wanted ``speed_up`` is met up to the precision of
-    the ratio. ``natural`` is the natural frequency in Hz of the motion that is heard, None without one.
+    ``tick_duration`` the time in s from tick to tick in the run. ``natural`` is the natural frequency in Hz of the
+    motion that is heard, None without one.
     """
 
     file: Reader
@@ -50,7 +71,6 @@ class Sound:
     tick_duration: float
     rate: int
     ratio: Fraction
-    speed_up: float
     samples: int
     natural: float | None
 
@@ -75,21 +95,24 @@ class Sound:
         values = file.column(group, COLUMNS[what], first)
         weighed = None if model.separation is None else model.separation.oscillator
         swinging = weighed if group == "load" else model.slider
-        about = next(each for each in schema.GROUPS if each.name == group).columns
         return cls(
             file=file,
             what="normal-velocity" if group == "load" and what == "velocity" else what,
             group=group,
-            units=next(each.units for each in about if each.name == COLUMNS[what]),
+            units=UNITS[COLUMNS[what]],
             first=first,
             values=values,
             tick_duration=model.tick_duration,
             rate=rate,
             ratio=ratio,
-            speed_up=rate * model.tick_duration / float(ratio),
             samples=output_count(values.size, ratio),
             natural=None if swinging is None else swinging.natural_frequency,
         )
+
+    @property
+    def speed_up(self) -> float:
+        """How much faster it is than the run: as was wanted, up to the precision of the ratio."""
+        return self.rate * self.tick_duration / float(self.ratio)
 
     @property
     def seconds(self) -> float:
@@ -97,57 +120,77 @@ class Sound:
         return self.samples / self.rate
 
     def lasting(self, seconds: float) -> Self:
-        """Return the sound up to a time in s from its start; raises Refused if it is too short for that."""
+        """Return the sound up to a time in s from its start; raises Refused beyond its end, or what a file holds."""
         if seconds > self.seconds:
             raise Refused(f"--seconds {seconds:g}: the sound of the whole run lasts {self.seconds:.6g} s")
         samples = max(1, round(seconds * self.rate))
+        check_length(samples)
         return replace(self, samples=samples, values=self.values[: ceil((samples - 1) / self.ratio) + 1])
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Level:
-    """What is heard: ``wave``, the samples less the ``mean`` in the unit of the column, and their ``full_scale``.
-
-    ``variance`` is that of the rows, ``hearing`` what ears make of them, None of a run too short to say.
-    """
-
-    mean: float
-    wave: Doubles
-    full_scale: float
-    variance: float
-    hearing: "Hearing | None"
+    @property
+    def mean(self) -> float:
+        """Mean of the rows in the unit of the column."""
+        return float(self.values.mean())
 
     @property
-    def laptop(self) -> float | None:
-        """Level in dB re full scale of the part that a laptop's loudspeaker plays; None if that is not known."""
+    def varying(self) -> Doubles:
+        """The rows less their mean.
+
+        Raises Refused for a column that does not vary, RunFileRefused for values that are no numbers.
+        """
+        if not np.isfinite(self.values).all():
+            raise RunFileRefused(f"/{self.group}/{COLUMNS[self.what]} is damaged: it holds what is no number")
+        away = self.values - self.mean
+        if np.abs(away).max() <= _NOTHING * abs(self.mean):
+            raise Refused(f"the {self.what} does not vary, so there is nothing to hear")
+        return away
+
+    @cached_property
+    def wave(self) -> Doubles:
+        """The samples, less the mean, in the unit of the column."""
+        return resampled(self.varying, self.ratio)[: self.samples]
+
+    @property
+    def full_scale(self) -> float:
+        """The scale that leaves the loudest sample 3 dB below it."""
+        return float(np.abs(self.wave).max()) / _PEAK
+
+    def pieces(self, full_scale: float, between: Callable[[], None]) -> Iterator[Doubles]:
+        """Yield the samples over a full scale, from -1 to 1, in pieces; ``between`` is called and may raise to stop."""
+        for part in slices(0, self.samples):
+            between()
+            yield self.wave[part] / full_scale
+
+    @cached_property
+    def hearing(self) -> Hearing | None:
+        """What ears make of the rows, as fast as they are heard; None of a run too short to say."""
+        ticks = 2 * min(self.values.size // (_SEGMENTS + 1), _MOST_TICKS)
+        if ticks < _FEWEST_TICKS:
+            return None
+        spectrum = welch([self.varying], ticks, self.tick_duration / self.speed_up)
+        frequency, power = spectrum.wavenumber[1:] / (2.0 * pi), spectrum.density[1:] / spectrum.density[1:].sum()
+        audible, laptop = (float(power[(frequency >= low) & (frequency <= high)].sum()) for low, high in (EAR, LAPTOP))
+        middle = frequency[np.searchsorted(np.cumsum(power), 0.5)]
+        return Hearing(audible=audible, laptop=laptop, middle=float(middle))
+
+    def laptop_level(self, full_scale: float) -> float | None:
+        """Return the level in dB re a full scale of what a laptop's loudspeaker plays; None if that is not known."""
         if self.hearing is None:
             return None
-        power = self.hearing.laptop * self.variance / self.full_scale**2
+        power = self.hearing.laptop * float(self.values.var()) / full_scale**2
         return 10.0 * log10(power) if power > 0.0 else -inf
 
-    def pieces(self, between: Callable[[], None]) -> Iterator[Doubles]:
-        """Yield the samples over full scale, from -1 to 1, in pieces; ``between`` is called and may raise to stop."""
-        for part in slices(0, self.wave.size):
-            between()
-            yield self.wave[part] / self.full_scale
+    @property
+    def better(self) -> float | None:
+        """A speed-up, 1, 2 or 5 times a power of ten, that brings the middle near 300 Hz.
 
-
-def level_of(sound: Sound) -> Level:
-    """Return the samples of a sound, and the scale that leaves the loudest of them 3 dB below full scale.
-
-    Raises Refused for a column that does not vary, RunFileRefused for values that are no numbers.
-    """
-    values = sound.values
-    if not np.isfinite(values).all():
-        raise RunFileRefused(f"/{sound.group}/{COLUMNS[sound.what]} is damaged: it holds what is no number")
-    mean = float(values.mean())
-    wave = resampled(values - mean, sound.ratio)[: sound.samples]
-    loudest = float(np.abs(wave).max())
-    if loudest <= _NOTHING * abs(mean):
-        raise Refused(f"the {sound.what} does not vary, so there is nothing to hear")
-    ticks, step = 2 * min(values.size // (_SEGMENTS + 1), _MOST_TICKS), sound.tick_duration / sound.speed_up
-    hearing = Hearing.of(welch([values], ticks, step)) if ticks >= _FEWEST_TICKS else None
-    return Level(mean=mean, wave=wave, full_scale=loudest / _PEAK, variance=float(values.var()), hearing=hearing)
+        None if the middle is between 100 Hz and 5 kHz, or not known.
+        """
+        if self.hearing is None or COMFORTABLE[0] <= self.hearing.middle <= COMFORTABLE[1]:
+            return None
+        wanted = self.speed_up * _AIM / self.hearing.middle
+        power = 10.0 ** floor(log10(wanted))
+        return min((factor * power for factor in (1.0, 2.0, 5.0, 10.0)), key=lambda near: abs(log10(near / wanted)))
 
 
 def _group(file: Reader, what: Heard) -> str:
@@ -173,8 +216,6 @@ def _first_row(file: Reader, model: Model, group: str) -> int:
     """Return the first row at which the start is no longer heard; raises Refused if no row is left."""
     if group != "load" or model.separation is None:
         return 0
-    from rubnoise.analysis.moments import forgetting
-
     first = forgetting(model)["load"]
     if first + 1 >= file.rows(group):
         raise Refused(
@@ -182,48 +223,6 @@ def _first_row(file: Reader, model: Model, group: str) -> int:
             " begins at rest; sliding.distance in its scenario makes it longer"
         )
     return first
-
-
-# What is heard of it.
-
-EAR, COMFORTABLE, LAPTOP = (20.0, 20_000.0), (100.0, 5000.0), (200.0, 4000.0)
-"""Frequencies in Hz that the young and healthy hear, that most people hear well, and that a laptop plays."""
-
-_AIM: Final = 300.0  # Hz, to which a suggestion moves the middle of the power
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Hearing:
-    """Shares of a sound's power between 20 Hz and 20 kHz, and in the band of a laptop's loudspeaker.
-
-    ``middle`` is the frequency in Hz below which half of the power lies.
-    """
-
-    audible: float
-    laptop: float
-    middle: float
-
-    @classmethod
-    def of(cls, spectrum: Spectrum) -> Self:
-        """Return what is heard of a spectrum over w in rad/s, of its power without w = 0, the mean."""
-        frequency, power = spectrum.wavenumber[1:] / (2.0 * pi), spectrum.density[1:]
-        running = np.cumsum(power) / power.sum()
-        ears, laptop = (
-            power[(frequency >= low) & (frequency <= high)].sum() / power.sum() for low, high in (EAR, LAPTOP)
-        )
-        middle = frequency[np.searchsorted(running, 0.5)]
-        return cls(audible=float(ears), laptop=float(laptop), middle=float(middle))
-
-    def better(self, speed_up: float) -> float | None:
-        """Return a speed-up, 1, 2 or 5 times a power of ten, that brings the middle near 300 Hz; None if it is good.
-
-        It is good between 100 Hz and 5 kHz.
-        """
-        if COMFORTABLE[0] <= self.middle <= COMFORTABLE[1]:
-            return None
-        wanted = speed_up * _AIM / self.middle
-        power = 10.0 ** floor(log10(wanted))
-        return min((factor * power for factor in (1.0, 2.0, 5.0, 10.0)), key=lambda near: abs(log10(near / wanted)))
 
 
 MOST: Final = 4096  # numerator and denominator of a ratio of sample rates at most

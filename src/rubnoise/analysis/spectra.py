@@ -18,7 +18,7 @@ from rubnoise.model import Model
 from rubnoise.record.reader import Rows, column_chunks
 from rubnoise.theory.coupling import THIRD, band_numbers, level, third_octaves
 from rubnoise.theory.sizes import COARSE, sizes_of
-from rubnoise.theory.unit_pulse import energy, pass_energies
+from rubnoise.theory.unit_pulse import pass_energies
 
 SEGMENTS = 64
 _VALUES_AT_ONCE = 1 << 19
@@ -154,6 +154,8 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     shared = shared_variance(seen.ticks, seen.segments)
     power, births = float(seen.wavenumber[1]) / pi, model.birth_rate * length
     bands, found = bands_of(seen.density.size, count), []
+    if not bands:
+        return []
     probabilities, band_energies = _energies(model, seen.wavenumber, bands)
     for part, energies in zip(bands, band_energies, strict=True):
         variance = _gaussian_variance(expected[part], shared) / seen.segments
@@ -193,27 +195,20 @@ def _gaussian_variance(expected: Doubles, shared: Doubles) -> float:
     return pairs / float(expected.sum()) ** 2
 
 
-def _energies(
-    model: Model, wavenumber: Doubles, bands: Sequence[NDArray[np.int64]]
-) -> tuple[Doubles, Sequence[Doubles]]:
-    """Return probabilities of lives by size, and for each band the sum of |A^(k)|^2 by size, up to a factor.
+def _energies(model: Model, wavenumber: Doubles, bands: Sequence[NDArray[np.int64]]) -> tuple[Doubles, Doubles]:
+    """Return probabilities of passes by size and offset, and sums of their |A^(k)|^2 over each band, up to a factor.
 
-    Off the centre line the energy also depends on the offset, more for shorter waves; there some bins represent many.
+    Off the centre line the energy depends on the offset, more for shorter waves; there some bins represent many.
     """
-    sizes = sizes_of(model.sizes, COARSE)
-    if model.pulse.offset == "none":
-        if not bands:
-            return sizes.probability, ()
-        # Bands follow each other without a gap.
-        starts, inside = [int(part[0] - bands[0][0]) for part in bands], wavenumber[bands[0][0] : bands[-1][-1] + 1]
-        sums = [np.add.reduceat(energy(model.pulse, inside * d), starts) * d**6 for d in sizes.diameter.tolist()]
-        return sizes.probability, list(np.stack(sums, axis=1))
-    energies, shares = [], pass_energies(model.pulse, np.zeros(1))[1]
-    for part in bands:
-        some = wavenumber[part[:: -(-part.size // _MOST_OF_A_BAND)]]
-        sums = [pass_energies(model.pulse, some * d)[0].sum(axis=1) * d**6 for d in sizes.diameter.tolist()]
-        energies.append(np.concatenate(sums))
-    return np.multiply.outer(sizes.probability, shares).ravel(), energies
+    sizes, most = sizes_of(model.sizes, COARSE), wavenumber.size if model.pulse.offset == "none" else _MOST_OF_A_BAND
+    some = [part[:: -(-part.size // most)] for part in bands]
+    starts, inside = np.cumsum([0, *(part.size for part in some[:-1])]), wavenumber[np.concatenate(some)]
+    sums = [
+        np.add.reduceat(pass_energies(model.pulse, inside * d)[0], starts, axis=1) * d**6
+        for d in sizes.diameter.tolist()
+    ]
+    shares = pass_energies(model.pulse, np.zeros(1))[1]
+    return np.multiply.outer(sizes.probability, shares).ravel(), np.concatenate(sums).T
 
 
 MOST_ROWS: Final = 1 << 22

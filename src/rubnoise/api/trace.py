@@ -10,7 +10,7 @@ from typing import Any, Final, Self, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.analysis.records import BINS, Histogram, autocovariance, histogram
+from rubnoise.analysis.records import BINS, Histogram, histogram
 from rubnoise.api import keywords
 from rubnoise.api.column_group import Table
 from rubnoise.api.columns import Column, with_units
@@ -18,7 +18,7 @@ from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
 from rubnoise.api.given_columns import sampled
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.inference.signal import clipped, digits
+from rubnoise.inference.signal import autocovariance, clipped, digits
 from rubnoise.real_numbers import check_unit
 from rubnoise.storage.measured import Source
 from rubnoise.units import AREA, BESIDE, FORCE, KINDS, LENGTH, MASS, NONE, SPEED, STRESS, TIME, parse_unit

@@ -1,7 +1,6 @@
 """`rubnoise listen`: the motion of the slider as a sound file."""
 
 from contextlib import ExitStack
-from dataclasses import replace
 from enum import StrEnum
 from functools import partial
 from math import isfinite
@@ -17,7 +16,7 @@ from rubnoise.cli.options import NewFile, ReplaceFile, argument, option, output
 from rubnoise.cli.progress import stoppable
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.sound import Heard, Hearing, Level, Sound
+    from rubnoise.analysis.sound import Heard, Sound
 
 
 What = StrEnum("What", "velocity force displacement normal-velocity load")
@@ -45,10 +44,10 @@ def listen(
 
     Example: rubnoise listen few.h5 many.h5 --speed-up 10
     """
-    from rubnoise.analysis.sound import Sound, level_of
+    from rubnoise.analysis.sound import Sound
     from rubnoise.cli.loading import finished_run
     from rubnoise.storage.output import whole_file
-    from rubnoise.storage.sound import check_length, write_wave
+    from rubnoise.storage.sound import write_wave
 
     for name, value in (("--speed-up", speed_up), ("--seconds", seconds)):
         if value is not None and not (isfinite(value) and value > 0.0):
@@ -58,28 +57,22 @@ def listen(
     with ExitStack() as opened, stoppable() as between:
         runs = [opened.enter_context(finished_run(file)) for file in files]
         choose = partial(Sound.of, what=cast("Heard", what.value), rate=int(rate))
+        if speed_up is None and len(runs) > 1:
+            speed_up = choose(runs[0], speed_up=1.0).better
         sounds = [choose(run, speed_up=speed_up or 1.0) for run in runs]
         paths = [output or Path(f"{sound.file.path.stem}_{sound.what}.wav") for sound in sounds]
         _check_paths(files, paths, force=force)
-        if speed_up is None and len(sounds) > 1:
-            heard = level_of(sounds[0]).hearing
-            faster = heard and heard.better(1.0)
-            sounds = [choose(run, speed_up=faster or 1.0) for run in runs]
         shortest = seconds or min(sound.seconds for sound in sounds)
         sounds = [sound.lasting(shortest) for sound in sounds]
-        for sound in sounds:
-            check_length(sound.samples)
-        levels = []
+        full_scale = 0.0  # that of the loudest, so that loudness compares runs
         for sound in sounds:
             between()
-            levels.append(level_of(sound))
-        largest = max(level.full_scale for level in levels)  # so that loudness compares runs
-        for path, sound, own in zip(paths, sounds, levels, strict=True):
-            level = replace(own, full_scale=largest)
-            pieces, texts = level.pieces(between), _wave_comments(sound, level)
+            full_scale = max(full_scale, sound.full_scale)
+        for path, sound in zip(paths, sounds, strict=True):
+            pieces, texts = sound.pieces(full_scale, between), _wave_comments(sound, full_scale)
             with whole_file(path, force=force) as part, part.open("w+b") as stream:
                 write_wave(stream, pieces, samples=sound.samples, rate=sound.rate, texts=texts)
-            show(_answer(path, sound, level, others=len(sounds) - 1))
+            show(_answer(path, sound, full_scale, others=len(sounds) - 1))
 
 
 def _check_paths(files: list[Path], paths: list[Path], *, force: bool) -> None:
@@ -94,13 +87,13 @@ def _check_paths(files: list[Path], paths: list[Path], *, force: bool) -> None:
         check_output(path, force=force, reads=files)
 
 
-def _wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
+def _wave_comments(sound: "Sound", full_scale: float) -> dict[str, str]:
     """Return the texts in a sound file: title, the scale of its samples, and the program that wrote it."""
     figures = {
         "quantity": sound.what,
         "unit": sound.units,
-        "full_scale": repr(level.full_scale),
-        "mean": repr(level.mean),
+        "full_scale": repr(full_scale),
+        "mean": repr(sound.mean),
         "speed_up": repr(sound.speed_up),
         "sample_rate": str(sound.rate),
         "run": sound.file.path.name,
@@ -112,39 +105,39 @@ def _wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
     }
 
 
-def _answer(path: Path, sound: "Sound", level: "Level", others: int = 0) -> Answer:
+def _answer(path: Path, sound: "Sound", full_scale: float, others: int) -> Answer:
     """Return the file that was written, its scale, and its audible part; ``others`` have the same scale."""
     from rubnoise.storage.sound import BITS
 
     whose = "the loudest sample of all runs" if others else "the loudest sample"
-    heard = level.hearing
+    heard = sound.hearing
     told = rows(
         "",
         ("begins_at", sound.first * sound.tick_duration or None, "s", "after the transient"),
         ("speed_up", sound.speed_up),
-        ("full_scale", level.full_scale, sound.units, f"{whose} 3 dB below"),
-        ("mean", level.mean, sound.units, "taken away"),
+        ("full_scale", full_scale, sound.units, f"{whose} 3 dB below"),
+        ("mean", sound.mean, sound.units, "taken away"),
         ("natural_frequency", sound.natural, "Hz", f"heard at {(sound.natural or 0.0) * sound.speed_up:.4g} Hz"),
         ("middle", heard and heard.middle, "Hz", "half of the power lies below"),
         ("audible_share", heard and heard.audible, "", "20 Hz to 20 kHz"),
-        ("level", level.laptop, "dB", "re full scale, 200 to 4000 Hz: what a laptop plays"),
+        ("level", sound.laptop_level(full_scale), "dB", "re full scale, 200 to 4000 Hz: what a laptop plays"),
     )
     title = f"{path}: {sound.seconds:.6g} s of {sound.what}, {sound.rate:,} samples a second of {BITS} bits"
-    return Answer(title=title, rows=tuple(told), notes=_advice(heard, sound.speed_up))
+    return Answer(title=title, rows=tuple(told), notes=_advice(sound))
 
 
-def _advice(hearing: "Hearing | None", speed_up: float) -> tuple[str, ...]:
+def _advice(sound: "Sound") -> tuple[str, ...]:
     """Return advice for a sound that most ears and small loudspeakers miss."""
-    if hearing is None:
+    heard = sound.hearing
+    if heard is None:
         return ("too short to estimate the audible part",)
-    better = hearing.better(speed_up)
-    if better is None:
+    if sound.better is None:
         return ()
-    if hearing.audible < 0.01:
+    if heard.audible < 0.01:
         problem = "next to nothing of it can be heard"
-    elif hearing.middle < 100.0:
+    elif heard.middle < 100.0:
         problem = "most of it is deeper than small loudspeakers go"
     else:
         problem = "most of it is higher than many can hear"
-    middle = hearing.middle * better / speed_up
-    return (f"{problem}; --speed-up {better:g} would bring the middle to {middle:.3g} Hz",)
+    middle = heard.middle * sound.better / sound.speed_up
+    return (f"{problem}; --speed-up {sound.better:g} would bring the middle to {middle:.3g} Hz",)

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.analysis import records
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, drawn, house_style, logarithmic, new_figure
 from rubnoise.inference.estimates import NAMES
 from rubnoise.inference.inference import InferenceResult
+from rubnoise.inference.signal import autocovariance as sample_autocovariance
 from rubnoise.surface.sliding import SlidingContact
 from rubnoise.surface.waves import Waves
 from rubnoise.tables import as_html
@@ -170,7 +170,7 @@ def fit_figure(found: InferenceResult) -> "Figure":
     logarithmic(axes.xaxis, axes.yaxis, residuals.xaxis)
 
     values, life, axes = signal.values[:_MOST], 2.0 * fit.contact.diameter, panes["memory"]
-    measured = records.autocovariance(values, max(1, min(int(3.0 * life), values.size // 2)))
+    measured = sample_autocovariance(values, max(1, min(int(3.0 * life), values.size // 2)))
     axes.plot(signal.tick * np.arange(measured.size), measured / measured[0], color=BLUE, label="trace")
     axes.axhline(0.0, color=FAINT, linewidth=0.8)
     axes.axvline(life * signal.tick, color=VERMILION, linestyle="--", label="mean life")

@@ -183,7 +183,7 @@ def infer_signal(
     estimates = {name: wider(each, [law[name] for law in open_to]) for name, each in of_best.items()}
     return InferenceResult(
         estimates=estimates,
-        not_identified=_not_identified(best, signal, compared=compared),
+        not_identified=_not_identified(estimates, best, signal),
         law=best.problem.population.name,
         laws=laws,
         tests=spoken,
@@ -290,28 +290,23 @@ def _walk_alone(bands: Bands, walk: Doubles, flat: Doubles) -> Doubles:
     return mean
 
 
-def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, str]:
-    free, reasons = fit.known.free, {}
-    if free == ("strength",):
-        either = 'a trusted zero of the sensor (zero="known") or the strength (strength="250 MPa") would identify it'
-        reasons["junction_count"] = f"spectrum alone gives births times strength squared; {either}"
-        reasons["mean_real_contact_area"] = f"follows from the number of junctions; {either}"
-    if not (fit.problem.population.spread or compared):
-        reasons["relative_spread"] = f'the law {fit.problem.population.name} has none to find; law="auto" compares laws'
+def _not_identified(estimates: Mapping[str, Estimate], fit: Fit, signal: Signal) -> dict[str, str]:
+    """Return why the trace does not show what has no estimate, and what would show it."""
+    either = 'a trusted zero of the sensor (zero="known") or the strength (strength="250 MPa") would identify it'
+    strength = 'needs a trusted zero of the sensor (zero="known") and a unit of force (unit="mN")'
+    spread = 'needs a trusted zero (zero="known") and the mean strength (strength="250 MPa") together'
+    if fit.known.strength is not None:
+        strength = "it was given"
     if signal.is_area:
-        reasons["shear_strength"] = reasons["strength_spread"] = "a trace of area has no strengths"
-        return reasons
-    if "strength" not in free or free == ("strength",) or signal.scale is None:
-        reasons["shear_strength"] = (
-            "it was given"
-            if fit.known.strength is not None
-            else 'needs a trusted zero of the sensor (zero="known") and a unit of force (unit="mN")'
-        )
-    if "inequality" not in free:
-        reasons["strength_spread"] = (
-            'needs a trusted zero (zero="known") and the mean strength (strength="250 MPa") together'
-        )
-    return reasons
+        strength = spread = "a trace of area has no strengths"
+    reasons = {
+        "junction_count": f"spectrum alone gives births times strength squared; {either}",
+        "mean_real_contact_area": f"follows from the number of junctions; {either}",
+        "relative_spread": f'the law {fit.problem.population.name} has none to find; law="auto" compares laws',
+        "shear_strength": strength,
+        "strength_spread": spread,
+    }
+    return {name: reason for name, reason in reasons.items() if name not in estimates}
 
 
 def _beside(fit: Fit, best: Fit, estimates: Mapping[str, Estimate]) -> Tried:

@@ -156,8 +156,6 @@ def life_integrals(pulse: Pulse, sensor: Sensor, diameters: Doubles) -> tuple[Do
 
 def passed(pulse: Pulse, sensor: Sensor, diameters: Doubles, probability: Doubles) -> tuple[float, float]:
     """Return the shares of the second and third cumulants of a population that pass the sensor."""
-    if sensor.is_open:
-        return 1.0, 1.0
     weights = np.outer(probability, offsets(pulse)[1])
     seen, whole = (np.stack(life_integrals(pulse, each, diameters)) for each in (sensor, OPEN))
     second, third = ((weights * seen).sum((1, 2)) / (weights * whole).sum((1, 2))).tolist()

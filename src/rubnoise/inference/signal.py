@@ -143,7 +143,8 @@ def ramp_of(values: Doubles) -> float:
 
 def half_width_of(values: Doubles) -> float:
     """Return the lag in ticks at which the autocovariance has fallen to half, Rabinowicz's way to a size."""
-    covariance = _autocovariance(values)
+    seen = values[:_SEEN]
+    covariance = autocovariance(seen, seen.size // 2)
     # White noise stands at lag 0 alone.
     top = float(covariance[1] + 0.5 * (covariance[1] - covariance[2]))
     below = covariance[1:] < 0.5 * top
@@ -156,18 +157,21 @@ def half_width_under_drift(values: Doubles) -> float:
     The steps of a walk are uncorrelated, so the covariance of increments, summed from lag 2 on, shows only junctions.
     It is largest where their autocovariance falls fastest, a little before it has fallen to half.
     """
-    fastest = int(np.argmax(np.cumsum(_autocovariance(np.diff(values))[2:]))) + 2
-    return _HALF_OVER_FASTEST * fastest
+    steps = np.diff(values[:_SEEN])
+    return _HALF_OVER_FASTEST * (int(np.argmax(np.cumsum(autocovariance(steps, steps.size // 2)[2:]))) + 2)
 
 
-def _autocovariance(values: Doubles) -> Doubles:
-    from scipy.fft import irfft, next_fast_len, rfft
+def autocovariance(values: Doubles, reach: int) -> Doubles:
+    """Return the autocovariance of a record at lags of 0 to ``reach`` ticks, in the square of its unit.
 
-    part = values[: 1 << 20] - values[: 1 << 20].mean()
-    length = next_fast_len(2 * part.size)
-    transform = rfft(part, length)
-    covariance: Doubles = irfft(np.square(transform.real) + np.square(transform.imag), length)[: part.size // 2]
-    return covariance
+    R_j = (1/n) sum over i of (x_i - mean)(x_(i+j) - mean) of n values: dividing by n and not by n - j keeps the noise
+    of long lags small, and makes R_j smaller than its expectation by a part j/n, and by the variance of the mean.
+    Source: Priestley, Spectral Analysis and Time Series, section 5.3.
+    """
+    # A power of two, whose transform is fast; numpy's has the bits of scipy's, whose import takes longer.
+    size = 1 << (values.size + reach - 1).bit_length()
+    power = np.square(np.abs(np.fft.rfft(values - values.mean(), size)))
+    return np.asarray(np.fft.irfft(power, size)[: reach + 1] / values.size, dtype=np.float64)
 
 
 # Strokes to and fro: cut at the reversals, turned one way, and joined; every cut is reported.

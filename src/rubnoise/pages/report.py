@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.analysis.findings import from_attributes
-from rubnoise.analysis.sound import Sound, level_of
+from rubnoise.analysis.sound import Sound
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
@@ -162,12 +162,12 @@ def _sound(file: Reader, between: Between) -> str:
     try:
         sound = Sound.of(file, "velocity", rate=RATE, speed_up=1.0)
         sound = sound.lasting(min(SECONDS, sound.seconds))
-        level = level_of(sound)
+        full_scale = sound.full_scale
     except Refused:
         return ""
     what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
     words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
-    return _heard(words, level.pieces(between), sound.samples)
+    return _heard(words, sound.pieces(full_scale, between), sound.samples)
 
 
 def _heard(words: str, pieces: Iterable[Doubles], samples: int) -> str:

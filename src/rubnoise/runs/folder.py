@@ -15,7 +15,7 @@ from typing import Any, Final, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
+from rubnoise.analysis.run_summary import CURVES, SummarySink
 from rubnoise.errors import OutputRefused, RunFileRefused, in_few
 from rubnoise.figure_names import DONE, FAILED, FIGURE_NAMES, PLANNED
 from rubnoise.record.reader import Reader
@@ -85,7 +85,7 @@ def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda *_: Non
     model = scenario.model()
     sink = SummarySink(model)
     simulate(model, scenario.run.seed, sink, engine=cast(Engine, scenario.run.engine), watch=watch)
-    return {**sink.finish(), **(curve_theory(model) if first else {})}
+    return {**sink.finish(), **(sink.theory() if first else {})}
 
 
 def _save(path: Path, scenario: Scenario, summary: Figures) -> None:

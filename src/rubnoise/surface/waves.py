@@ -1,7 +1,7 @@
 """The waves of a surface: cut-off wavelengths, its power and autocorrelation, and self-affine surfaces from a seed."""
 
 from dataclasses import dataclass, field
-from math import inf, isfinite
+from math import inf
 from typing import Final, Self
 
 import numpy as np
@@ -100,7 +100,7 @@ def self_affine(
     Its power is q^(-2 - 2 H) for frequencies q from 1/rolloff to 1/cutoff, constant below and 0 above (um); its rms
     height is exactly ``roughness`` in um. Source: Jacobs, Junge, Pastewka (2017, doi:10.1088/2051-672X/aa51f8).
     """
-    _check(points, spacing, roughness, hurst, rolloff, cutoff)
+    _check(points, spacing, hurst, rolloff, cutoff)
     along, across = np.ix_(fft.fftfreq(points, spacing), fft.rfftfreq(points, spacing))
     frequency = np.maximum(np.hypot(along, across), 1.0 / rolloff)
     amplitude = np.where(_kept(along, across, cutoff), frequency ** (-1.0 - hurst), 0.0)
@@ -113,12 +113,9 @@ def self_affine(
     return HeightMap(heights=heights, spacing=grid, periodic=True, name=name, history=(words,))
 
 
-def _check(points: int, spacing: float, roughness: float, hurst: float, rolloff: float, cutoff: float) -> None:
+def _check(points: int, spacing: float, hurst: float, rolloff: float, cutoff: float) -> None:
     if not FEWEST_POINTS <= points <= MOST_POINTS:
         raise Refused(f"points=: {points} is not between {FEWEST_POINTS} and {MOST_POINTS:,}")
-    for name, value in (("spacing", spacing), ("roughness", roughness)):
-        if not (isfinite(value) and value > 0.0):
-            raise Refused(f"{name}=: {value:g} um is not a length above 0")
     if not 0.0 < hurst <= 1.0:
         raise Refused(f"hurst=: {hurst:g} is not above 0 and at most 1")
     if not 2.0 * spacing <= cutoff <= rolloff <= points * spacing:
