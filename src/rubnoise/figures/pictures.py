@@ -10,7 +10,6 @@ import numpy as np
 from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.life import Life
 from rubnoise.analysis.moments import covariance_errors
-from rubnoise.analysis.records import autocovariance
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
@@ -19,6 +18,7 @@ from rubnoise.figures import panes, style
 from rubnoise.figures.panes import draw_along
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION
 from rubnoise.figures.tracks import MOST_READ, Stretch, Track, at_the_same, tracks_of
+from rubnoise.inference.signal import autocovariance
 from rubnoise.record.rows import JunctionState
 from rubnoise.theory import second_order
 from rubnoise.theory.moments import area_cumulants, distribution, share_of
