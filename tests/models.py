@@ -218,7 +218,7 @@ def among(model: Model, junctions: LiveRows, *, displacement: float, cells: int 
     most: landmarks after which the run may stop, if there are so many.
     """
     run = replace(_two_way(model, cells), start="empty")
-    record = MemoryRecord({"slider": None, "landmarks": None, "balance": 1})
+    record = MemoryRecord({"junctions": len(junctions), "slider": None, "landmarks": None, "balance": 1})
     motion = _motion(run, 1, record, junctions, displacement)
     for known in [*np.linspace(0.0, model.distance, 51)[1:-1].tolist(), model.distance]:
         motion.through(LiveRows.none(), known)
