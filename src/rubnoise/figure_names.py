@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-DONE, FAILED, PLANNED = STATES = ("done", "failed", "planned")
-"""What the index of a sweep says of a run."""
+DONE, FAILED, PLANNED = STATES = ("done", "failed", "planned")  # what the index of a sweep says of a run
 
 AREA, COUNT, FORCE = "real contact area", "number of live junctions", "friction force"
 
@@ -58,8 +57,7 @@ FIGURE_NAMES: Final = (
     QUANTITIES | {"friction_coefficient": FigureName("coefficient of friction", "", "hardness")} | TWO_WAY
 )
 
-_OTHERS: Final = {"separation_mean": "um"}
-"""Units of figures that a comparison alone has."""
+_OTHERS: Final = {"separation_mean": "um"}  # units of figures that a comparison alone has
 
 
 def unit_of(name: str) -> str:

@@ -10,8 +10,7 @@ from rubnoise.contact.pulses import LENS, Pulse
 
 Start = Literal["stationary", "empty"]
 
-CELLS: Final = 50
-"""Cells per diameter of a two-way motion, if no other number is given."""
+CELLS: Final = 50  # cells per diameter of a two-way motion, if no other number is given
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,14 +5,12 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-STREAM_VERSION = 2
-"""Version of the random numbers of a seed; a change to any stream, its use or its order raises it."""
+STREAM_VERSION = 2  # version of the random numbers of a seed; a change to any stream, its use or its order raises it
 
 SEED_LIMIT = 2**53
 """Seeds lie below this, so that JSON, HDF5 and TOML readers that hold integers in doubles keep them exactly."""
 
-LARGEST_UNIFORM = 1.0 - 2.0**-53
-"""No uniform number is larger than this."""
+LARGEST_UNIFORM = 1.0 - 2.0**-53  # no uniform number is larger than this
 
 
 class Stream(IntEnum):

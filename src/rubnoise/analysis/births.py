@@ -24,8 +24,7 @@ ROUNDING: Final = 2.0**-50
 AREA_ROUNDING: Final = 1e-9
 """In diameters squared: what formulas of a life's area lose near its ends."""
 
-FEWEST_GAPS: Final = 1000
-"""Births from which the spread of their gaps, a mean of squares of exponentials, has a score."""
+FEWEST_GAPS: Final = 1000  # births from which the spread of their gaps, a mean of squares of exponentials, has a score
 
 _NARROW: Final = 1e-3
 _RARE: Final = 1e-9

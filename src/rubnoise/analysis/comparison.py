@@ -35,8 +35,7 @@ SMALLEST_ATOM: Final = 1e-3
 _STEP_ERROR: Final = 1e-9
 """Error of a two-way motion's integrals over the largest work; that of rounding is far smaller."""
 
-RELATION_ROUNDING: Final = 2.0**-40
-"""What rounding makes at most of a relation between columns, over its largest value."""
+RELATION_ROUNDING: Final = 2.0**-40  # what rounding makes at most of a relation between columns, over its largest value
 
 
 def area(seen: MeasuredRun) -> Iterator[Row]:

@@ -152,11 +152,8 @@ def comparison(
 LARGEST_ERROR = 0.1
 """Standard error up to which a variance, a power or a shape, over what it is measured by, has a score."""
 
-SKEWNESS = 3.5
-"""Skewness of such an estimate over that relative error; runs of many models had 2 to 4."""
-
-LARGEST_SKEWNESS = 0.05
-"""Skewness of a mean up to which its law is near enough to a normal one for a score of 4 or 5."""
+SKEWNESS = 3.5  # skewness of such an estimate over that relative error; runs of many models had 2 to 4
+LARGEST_SKEWNESS = 0.05  # skewness of a mean up to which its law is near enough to a normal one for a score of 4 or 5
 
 
 def judged(
@@ -212,8 +209,7 @@ def poisson_figure(name: str, observed: int, mean: float) -> Row:
     return figure(name, float(observed), mean, mean**0.5, normal_deviate(float(pdtr(observed, mean)), above))
 
 
-FEWEST = 10
-"""Independent values from which a distance is given at all."""
+FEWEST = 10  # independent values from which a distance is given at all
 
 _BINS = 1 << 18
 _EXACT_UP_TO = 1000  # the limit's own error is some tenth of 1/sqrt(n)
@@ -278,8 +274,7 @@ class UniformSample:
 
 EXACT, ERROR = "_exact", "_standard_error"
 
-FAMILY_WISE_ERROR = 1e-3
-"""Probability that any figure at all of a right run lies outside of the family-wise bound."""
+FAMILY_WISE_ERROR = 1e-3  # probability that any figure at all of a right run lies outside of the family-wise bound
 
 
 def figure(

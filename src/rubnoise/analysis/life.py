@@ -15,8 +15,7 @@ from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState
 from rubnoise.scenario.reading import stored
 
-STEPS: Final = 100
-"""Points of a curve to a diameter of sliding, so that a whole life has 201 with mid-life among them."""
+STEPS: Final = 100  # points of a curve to a diameter of sliding, so that a whole life has 201 with mid-life among them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -31,8 +31,7 @@ from rubnoise.storage.schema import GROUPS
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sizes import longest_life
 
-STRETCHES: Final = 32
-"""Stretches of a run, by whose scatter an error of sampling is known where theory gives none."""
+STRETCHES: Final = 32  # stretches of a run, by whose scatter an error of sampling is known where theory gives none
 
 WINDOWS: Final = (0.6180339887498949, 2.618033988749895, 11.090169943749475)
 """Windows in which births are counted, in mean spacings; none keeps step with births that do."""

@@ -20,8 +20,7 @@ from rubnoise.theory.second_order import are_at_random, autocovariance
 from rubnoise.theory.sizes import COARSE, longest_life, sizes_of
 from rubnoise.theory.unit_pulse import area_life
 
-_FORGOTTEN: Final = 1e-3
-"""Part of its spread that the start of a motion still adds where it counts as forgotten."""
+_FORGOTTEN: Final = 1e-3  # part of its spread that the start of a motion still adds where it counts as forgotten
 
 FEWEST_LIVES = 50
 FEWEST_BIRTHS = 1000

@@ -21,8 +21,7 @@ def longer(length: float, error: float, largest_error: float) -> float:
     return length * (error / largest_error) ** 2
 
 
-FEWEST_BATCHES = 30
-"""Batches from which a standard error is given: it is then known to 13 %, 1/sqrt(2 n)."""
+FEWEST_BATCHES = 30  # batches from which a standard error is given: it is then known to 13 %, 1/sqrt(2 n)
 
 MOST_BATCHES = 256
 LENGTHS_A_BATCH = 10.0

@@ -14,11 +14,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-SHOWN_WHOLE = 4
-"""Rows of a column that are all shown; of a longer one, the first three and the last."""
-
-Place = Callable[[], "Column"]
-"""Returns the column over which another one is drawn."""
+SHOWN_WHOLE = 4  # rows of a column that are all shown; of a longer one, the first three and the last
+Place = Callable[[], "Column"]  # returns the column over which another one is drawn
 
 
 def _said(what: str, meaning: str) -> Any:

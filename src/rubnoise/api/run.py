@@ -60,8 +60,7 @@ class Summary(list[Row]):
         return self._answer().to_pandas().set_index("name")
 
 
-_WORDS: Final = {"to_dataframe": "run.to_pandas()", "describe": "run.summary"}
-"""What a run has for words of pandas."""
+_WORDS: Final = {"to_dataframe": "run.to_pandas()", "describe": "run.summary"}  # what a run has for words of pandas
 
 
 class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
@@ -234,8 +233,7 @@ class Run(Shown):
 
         return spectrum_of(self, quantity, segment)
 
-    spectrum = psd
-    """The same under the word of other programs."""
+    spectrum = psd  # the same under the word of other programs
 
     def plot(
         self,

@@ -10,11 +10,8 @@ from typing import TextIO
 from rubnoise.answer import Answer
 from rubnoise.answer import sentence as broken
 
-WIDTH = 80
-"""Columns of text that goes to no terminal."""
-
-NARROWEST = 40
-"""Columns below which nothing is laid out any narrower."""
+WIDTH = 80  # columns of text that goes to no terminal
+NARROWEST = 40  # columns below which nothing is laid out any narrower
 
 
 def terminal_width() -> int | None:

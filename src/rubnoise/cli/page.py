@@ -17,8 +17,7 @@ from rubnoise.regular_file import is_folder, is_hdf5
 
 Ends = tuple[float | None, float | None]
 
-PageForm = StrEnum("PageForm", "view report lesson")
-"""What a page is for."""
+PageForm = StrEnum("PageForm", "view report lesson")  # what a page is for
 
 
 def page(

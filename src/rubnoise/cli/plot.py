@@ -24,14 +24,12 @@ if TYPE_CHECKING:
     from rubnoise.figures.style import Format
 
 
-PICTURES: tuple[Kind, ...] = get_args(Kind)
-"""The pictures of a run."""
+PICTURES: tuple[Kind, ...] = get_args(Kind)  # the pictures of a run
 
 SpectrumOf = StrEnum("SpectrumOf", "area force displacement velocity normal-velocity load")
 """The quantities of spectra and histograms."""
 
-RECORDS = (".csv", ".tsv", ".txt")
-"""Ends of names of records of the user's own, which are laid over spectra."""
+RECORDS = (".csv", ".tsv", ".txt")  # ends of names of records of the user's own, which are laid over spectra
 
 
 def complete(incomplete: str) -> list[str]:

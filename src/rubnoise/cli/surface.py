@@ -25,11 +25,8 @@ if TYPE_CHECKING:
     from rubnoise.theory.coupling import LoadMotion
 
 
-Form = StrEnum("Form", "none tilt polynomial cylinder sphere")
-"""Forms that can be removed."""
-
-_SCENARIO: Final = ("speed", "distance", "mass", "damping_ratio")
-"""Options of the scenario."""
+Form = StrEnum("Form", "none tilt polynomial cylinder sphere")  # forms that can be removed
+_SCENARIO: Final = ("speed", "distance", "mass", "damping_ratio")  # options of the scenario
 
 _LAGS: Final = 200
 _WAVES: Final = 120

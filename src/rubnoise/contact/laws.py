@@ -128,8 +128,7 @@ _ENTRIES: Final = (
     ),
 )
 
-LAWS: Final[dict[str, LawEntry]] = {entry.name: entry for entry in _ENTRIES}
-"""Every law by its name in a scenario."""
+LAWS: Final[dict[str, LawEntry]] = {entry.name: entry for entry in _ENTRIES}  # every law by its name in a scenario
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

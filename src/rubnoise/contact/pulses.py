@@ -182,8 +182,7 @@ def _lens_series(terms: int) -> tuple[float, ...]:
     return tuple(float(each) for each in plain.coef)
 
 
-LENS_SERIES: Final = _lens_series(12)
-"""L of the lens over u^1.5, as powers of u = 1 - r, for compiled code."""
+LENS_SERIES: Final = _lens_series(12)  # L of the lens over u^1.5, as powers of u = 1 - r, for compiled code
 
 _LONG_SERIES: Final = _lens_series(15)
 

@@ -39,8 +39,7 @@ PICTURES: Final[dict[Kind, tuple[Callable[..., str], float, float]]] = {
 }
 """What draws the panes of each picture into a figure and returns its title; its own width and height in inches."""
 
-HEARD: Final = ("psd", "histogram")
-"""Pictures that can be of force, motion or load, in place of the area."""
+HEARD: Final = ("psd", "histogram")  # pictures that can be of force, motion or load, in place of the area
 
 OVERLAID: Final = ("slider", "phase", "load")
 """Pictures in which another run can be laid over the first; so it can in a spectrum of anything but the area."""

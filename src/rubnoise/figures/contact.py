@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-MOST_AT_ONCE: Final = 400
-"""Pairs that a stage can show apart."""
+MOST_AT_ONCE: Final = 400  # pairs that a stage can show apart
 
 LEAD, BORN = 0.15, 0.3
 """How long, in diameters, a pair is seen before its first and after its last touch, and a birth has its sign."""
@@ -124,8 +123,7 @@ def draw_contact(figure: "Figure", stretch: Stretch) -> str:
     return f"The contact from above at {distance:,.1f} µm: {words}"
 
 
-BESIDE: Final = 1.5
-"""How far the window goes beyond the junction on either side, in its own lives."""
+BESIDE: Final = 1.5  # how far the window goes beyond the junction on either side, in its own lives
 
 
 def draw_overview(figure: "Figure", stretch: Stretch) -> str:

@@ -41,8 +41,7 @@ def looks_of(tracks: Sequence[Track]) -> list[dict[str, Any]]:
 
 # Curves along the run.
 
-MOST_SHADED: Final = 1500
-"""Sticks or flights that are shaded: more would make the whole pane grey."""
+MOST_SHADED: Final = 1500  # sticks or flights that are shaded: more would make the whole pane grey
 
 
 def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **look: Any) -> None:
@@ -121,8 +120,7 @@ def draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str,
 
 # Lives.
 
-MOST_MARKED: Final = 250
-"""Lives whose births and deaths are marked: with more, the marks would hide one another."""
+MOST_MARKED: Final = 250  # lives whose births and deaths are marked: with more, the marks would hide one another
 
 LAYER_SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
 """Pale blues of neighbouring layers."""
@@ -172,25 +170,20 @@ def lanes(birth: Doubles, death: Doubles) -> NDArray[np.int64]:
 
 # Spectra.
 
-FIRST: Final = 2
-"""The first bin that is drawn: the mean that is subtracted from each segment changes those before."""
+FIRST: Final = 2  # the first bin that is drawn: the mean that is subtracted from each segment changes those before
 
 FEWEST_ROWS: Final = 16
 OF_CONTACT, OF_MOTION = (30, 40.0), (12, 400.0)
 """Segments at least, and how long one is at most: mean lives of a contact, natural periods of a motion."""
 
-STICKS: Final = 40.0
-"""Mean times from stick to stick that a segment may hold, if that is longer."""
-
-FARTHEST: Final = 40.0
-"""Natural frequencies up to which the spectrum of a motion is shown."""
+STICKS: Final = 40.0  # mean times from stick to stick that a segment may hold, if that is longer
+FARTHEST: Final = 40.0  # natural frequencies up to which the spectrum of a motion is shown
 
 POINTS, MOST_LINES = 1500, 30
 ROUNDING: Final = 1e-12
 """Expected density over the largest below which a ratio would be one of rounding errors."""
 
-BINS_PER_DECADE: Final = 24.0
-"""Bins of a ratio over a logarithmic axis: so few that the band of each can be seen."""
+BINS_PER_DECADE: Final = 24.0  # bins of a ratio over a logarithmic axis: so few that the band of each can be seen
 
 NEIGHBOURS: Final = {1: 4.0 / 9.0, 2: 1.0 / 36.0}
 """Correlation of neighbouring bins under a Hann window, by their distance: the squares of 2/3 and 1/6."""

@@ -65,8 +65,7 @@ def draw_count(figure: "Figure", stretch: Stretch) -> str:
     return "Live junctions"
 
 
-LAGS, LAG_LIVES = 80, 1.6
-"""Lags that are shown, and to how many mean lives."""
+LAGS, LAG_LIVES = 80, 1.6  # lags that are shown, and to how many mean lives
 
 
 def draw_acf(figure: "Figure", stretch: Stretch) -> str:
@@ -108,8 +107,7 @@ def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Dou
 LAYER_LIVES, MOST_DRAWN, DEFAULT_DRAWN = 4.0, 2000, 400
 """Mean lives that a picture of single ones shows, junctions at most, and about how many by default."""
 
-MARGIN: Final = 0.1
-"""How far a picture of one life goes beyond it, in lengths of the life."""
+MARGIN: Final = 0.1  # how far a picture of one life goes beyond it, in lengths of the life
 
 
 def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighbours]:
@@ -195,8 +193,7 @@ def draw_psd(figure: "Figure", stretch: Stretch, beside: Stretch | None = None, 
     return f"The spectrum of the {found[0][0].quantity.words}"
 
 
-BINS: Final = 51
-"""Odd, so that what never varies falls into the middle of one."""
+BINS: Final = 51  # odd, so that what never varies falls into the middle of one
 
 
 def draw_values(figure: "Figure", stretch: Stretch, of: str = "area") -> str:
@@ -294,8 +291,7 @@ def draw_motion(figure: "Figure", stretch: Stretch, beside: Stretch | None = Non
 MOST_ON_A_PATH: Final = 60_000
 """Rows that are joined to a path; of more it would be a blot, and their density is drawn alone."""
 
-HEADROOM: Final = 0.06
-"""Room above the drive's speed over all speeds."""
+HEADROOM: Final = 0.06  # room above the drive's speed over all speeds
 
 
 def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:
@@ -325,8 +321,7 @@ def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None
     return "The phase plane of the slider, {:.4g} to {:.4g} s".format(*first.ends)
 
 
-MOST_IMPACTS: Final = 200
-"""Impacts that are marked: with more, the marks would hide one another."""
+MOST_IMPACTS: Final = 200  # impacts that are marked: with more, the marks would hide one another
 
 
 def draw_load(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:

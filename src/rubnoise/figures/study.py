@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-CURVE: Final = 31
-"""Points of an exact curve, from the lowest value of a key to the highest, besides those of the sweep."""
+CURVE: Final = 31  # points of an exact curve, from the lowest value of a key to the highest, besides those of the sweep
 
 WIDE: Final = 30.0
 """Ratio of the highest to the lowest value of a key from which its axis is logarithmic, however its points lie."""
@@ -194,8 +193,7 @@ MOST_LABELS: Final = 10
 CLOSE: Final = 0.1
 """Least distance of two labelled values over the length of the axis."""
 
-APART: Final = 0.06
-"""How far lines are drawn apart if the key has words for values, which lie 1 apart."""
+APART: Final = 0.06  # how far lines are drawn apart if the key has words for values, which lie 1 apart
 
 LONGEST_LABEL: Final = 24
 TALL: Final = 10.0

@@ -184,19 +184,15 @@ def shortened(name: str, longest: int = LONGEST_NAME) -> str:
     return name if len(name) <= longest else f"{name[: longest - 3]}..."
 
 
-CONFIDENCE: Final = 1.959963984540054
-"""Half-width of a 95 % interval in standard errors."""
+CONFIDENCE: Final = 1.959963984540054  # half-width of a 95 % interval in standard errors
 
 AREA: Final = "real contact area (µm²)"
 DISTANCE: Final = "sliding distance (µm)"
 LETTER, HANDLE = 0.55, 9.0
 """Width of a letter over its size, and how many letters have the width of what stands beside the words in a legend."""
 
-USUAL_WIDTH: Final = 0.775
-"""Share of a figure's width that matplotlib gives a single pane before it is laid out."""
-
-NEAREST: Final = 1e-6
-"""Span of values over the values themselves below which nothing but rounding is seen."""
+USUAL_WIDTH: Final = 0.775  # share of a figure's width that matplotlib gives a single pane before it is laid out
+NEAREST: Final = 1e-6  # span of values over the values themselves below which nothing but rounding is seen
 
 
 def put_title(figure: "Figure", *texts: str) -> None:

@@ -55,8 +55,7 @@ class Assumed:
         return Sensor(corner=2.0 * pi * self.bandwidth * tick, poles=self.poles)
 
 
-NOTHING: Final = Assumed()
-"""Equal strengths, passes through both centres, a sensor that passes everything."""
+NOTHING: Final = Assumed()  # equal strengths, passes through both centres, a sensor that passes everything
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,8 +18,7 @@ from rubnoise.inference.periodogram import Bands, Expectation
 from rubnoise.inference.populations import NARROWEST, Population, energy_table, shot_sizes
 from rubnoise.tables import fields_as_text
 
-FLOOR: Final = 1e-13
-"""Noise below this part of the largest band counts as none."""
+FLOOR: Final = 1e-13  # noise below this part of the largest band counts as none
 
 _MOST_STEPS, _MOST_STEPS_BELOW = 60, 12
 _CLOSE = 1e-6  # in the deviance, or in the chi-square of a step: a thousandth of a standard error

@@ -21,10 +21,8 @@ LAWS: Final = tuple(POPULATIONS)
 OTHER_OFFSETS: Final[dict[Offset, Offset]] = {"none": "uniform", "uniform": "none"}
 OTHER_SHAPES: Final[dict[Shape, Shape]] = {"lens": "parabola", "parabola": "lens"}
 """The passes and the lives that are tried beside those that are assumed; the keys are all that can be read."""
-FEWEST_SIZES: Final = 20.0
-"""Mean diameters of sliding below which a record is refused."""
-FEWEST_SAMPLES: Final = 3.0
-"""Samples per mean diameter below which a record is refused: no life is resolved."""
+FEWEST_SIZES: Final = 20.0  # mean diameters of sliding below which a record is refused
+FEWEST_SAMPLES: Final = 3.0  # samples per mean diameter below which a record is refused: no life is resolved
 _LEAST_GAIN = 25.0
 _SHORTEST = 64
 _NOISE_BANDS = 10

@@ -85,8 +85,7 @@ def _through(response: Callable[[Doubles], Complexes], values: Doubles) -> Doubl
     return found
 
 
-OPEN: Final = Sensor()
-"""A sensor that passes everything."""
+OPEN: Final = Sensor()  # a sensor that passes everything
 
 
 @cache

@@ -16,11 +16,8 @@ from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.passes import OPEN, Sensor
 from rubnoise.inference.populations import EnergyTable
 
-TAPER: Final = 0.1
-"""Part of a segment over which the taper rises and falls."""
-
-MOST_SAMPLES: Final = 1 << 20
-"""Of one segment: memory grows with it."""
+TAPER: Final = 0.1  # part of a segment over which the taper rises and falls
+MOST_SAMPLES: Final = 1 << 20  # of one segment: memory grows with it
 
 FIRST_BIN: Final = 2
 _TAPER_BINS = 4.0

@@ -112,8 +112,7 @@ def settings_of(scenario: Scenario) -> tuple[dict[str, Any], tuple[str, ...]]:
     return {"world": world, "distance": model.distance, "sliderStart": start}, borrowed
 
 
-LAWS: Final = ("normal", "lognormal", "exponential")
-"""Laws of sizes, each with the scenario ``lessons/read_LAW.toml``."""
+LAWS: Final = ("normal", "lognormal", "exponential")  # laws of sizes, each with the scenario ``lessons/read_LAW.toml``
 
 _FULL_SCALE: Final = 4095  # steps of a sensor of 12 bits between no force and the largest one of its trace
 _CELLS: Final = 160

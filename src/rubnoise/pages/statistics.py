@@ -17,16 +17,14 @@ from rubnoise.record.reader import Rows, column_chunks
 from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.web_page import packed
 
-LIVES: Final = 8.0
-"""Length of a segment in mean lives, for the area."""
+LIVES: Final = 8.0  # length of a segment in mean lives, for the area
 
 _PERIODS: Final = 16.0  # length of a segment in periods of what swings, for its velocity
 _TICKS: Final = (6, 14)  # powers of two between which a segment has ticks
 _SPREADS, _POINTS = 5.0, 200  # how far the density of the area is drawn, in standard deviations, and at how many areas
 _BARS: Final = 60  # of a histogram
 
-CELLS: Final = (96, 72)
-"""Cells of the phase plane across and up."""
+CELLS: Final = (96, 72)  # cells of the phase plane across and up
 
 QUANTITIES: Final = {"area": "area", "velocity": "velocity", "normal": "normal-velocity", "load": "load"}
 """What has statistics, by its name in a page, as it is called in pictures."""

@@ -18,11 +18,8 @@ RESULT_ROWS: Final = 2_000_000_000
 _FEW_ASPERITIES = 0.3
 _MOST_SPACINGS = 1e4
 
-MOST_LIVE = 1000.0
-"""Junctions in contact up to which free motion is computed; with more, a single one has no effect."""
-
-COARSE = 0.3
-"""Turn of the contact resonance in a tick, in rad, beyond which there is a warning."""
+MOST_LIVE = 1000.0  # junctions in contact up to which free motion is computed; with more, a single one has no effect
+COARSE = 0.3  # turn of the contact resonance in a tick, in rad, beyond which there is a warning
 
 
 def modelled(

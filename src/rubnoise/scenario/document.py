@@ -297,8 +297,7 @@ class Document(Section):
     run: Run = field(default_factory=Run)
 
 
-TOP: Final = keys_of(Document)
-"""Keys above all tables."""
+TOP: Final = keys_of(Document)  # keys above all tables
 
 SECTIONS: Final[Mapping[str, type[Section]]] = {
     name: next(each for each in (kind, *get_args(kind)) if isinstance(each, type) and issubclass(each, Section))
@@ -314,8 +313,7 @@ def presence(name: str) -> str:
     return "optional" if about.default is None else "needed" if about.default_factory is MISSING else "defaults"
 
 
-SWEEP: Final = "sweep"
-"""The table of many runs, which is read apart: a scenario is one run."""
+SWEEP: Final = "sweep"  # the table of many runs, which is read apart: a scenario is one run
 
 SWEEP_RUNS: Final = 100_000
 FEWEST: Final = 8

@@ -178,8 +178,7 @@ def _unquoted_hint(value: Any) -> str:
     return f"write {float(percent[1]) / 100.0:.12g}" if percent else ""
 
 
-MOST: Final = 2000
-"""Values of a list at most: a result file keeps them all."""
+MOST: Final = 2000  # values of a list at most: a result file keeps them all
 
 _POSSIBLE = Range(1e-12, 1e12)
 LAWS_OF_PARTS = tuple(name for name, entry in LAWS.items() if not (entry.own_keys or entry.parameters))

@@ -28,8 +28,7 @@ _NOT_THE_CONTACT = ("title", "output", "run")
 """What a scenario says about writing and running: a point keeps its seed when only this changes."""
 _NOT_THE_FIELD = ("coupling", "cells")
 """Keys of the slider that change only when each distance is reached: points that differ in them alone share seeds."""
-_NOT_THE_SIZES = ("file", "column", "hash")
-"""Where diameters were read: their values are all that counts."""
+_NOT_THE_SIZES = ("file", "column", "hash")  # where diameters were read: their values are all that counts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,8 +101,7 @@ def canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
     return json.dumps(kept, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()
 
 
-SWEEP_POINTS: Final = 10_000
-"""A point takes a millisecond to check, and all are checked before the first runs."""
+SWEEP_POINTS: Final = 10_000  # a point takes a millisecond to check, and all are checked before the first runs
 
 SWEPT: Final = tuple(f"{name}.{key}" for name in SECTIONS for key in keys.KNOWN[name] if (name, key) != ("run", "seed"))
 """Every key that may be swept, with dots: all of a scenario but the seed."""

@@ -14,8 +14,7 @@ from rubnoise.simulation.kernel import count_live, sum_at_places, sum_over_cells
 from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import TickRange
 
-Drive = Literal["area", "force"]
-"""What moves a slider or a load: the real contact area or the friction force."""
+Drive = Literal["area", "force"]  # what moves a slider or a load: the real contact area or the friction force
 
 
 def has_one_strength(model: Model) -> bool:

@@ -18,15 +18,13 @@ BEFORE: Final = 3
 AFTER: Final = 4
 """Edges before the first edge of a cell, and after it, whose values give the moments of the cell."""
 
-WHOLE, ROOT = 1, 2
-"""Kinds of powers: of x, and of its root."""
+WHOLE, ROOT = 1, 2  # kinds of powers: of x, and of its root
 
 ROOT_CELLS: Final = 12
 WHOLE_CELLS: Final = 8
 """Cells, from BEFORE the one where x begins, in which values miss something of x^1.5 and of x; beyond, too little."""
 
-Series = tuple[float, float, float]
-"""c_0, c_1, c_2 of x^p (c_0 + c_1 x + c_2 x^2), x in cells; p is 3/2 or 1."""
+Series = tuple[float, float, float]  # c_0, c_1, c_2 of x^p (c_0 + c_1 x + c_2 x^2), x in cells; p is 3/2 or 1
 
 _PLACES, _WEIGHTS = leggauss(5)
 GAUSS: Final = tuple(zip((0.5 + 0.5 * _PLACES).tolist(), (0.5 * _WEIGHTS).tolist(), strict=True))

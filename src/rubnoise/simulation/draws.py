@@ -104,8 +104,7 @@ def extent(model: Model, seed: int) -> Extent:
     return extent_of(model, 0 if model.free else start(model, seed).junctions + count_births(model, seed))
 
 
-PROGRAM_BYTES: Final = 225_000_000
-"""Memory of a process before the run, with everything loaded that a run needs."""
+PROGRAM_BYTES: Final = 225_000_000  # memory of a process before the run, with everything loaded that a run needs
 
 DRAWN_BYTES: Final = 50
 ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 320, "batch": 200}

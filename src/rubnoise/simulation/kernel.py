@@ -48,22 +48,19 @@ LENS_SHAPE, TRIANGLE_SHAPE, PARABOLA_SHAPE, OFF_CENTRE_LENS = range(4)
 SHAPES: Final[dict[Shape, int]] = {"lens": LENS_SHAPE, "triangle": TRIANGLE_SHAPE, "parabola": PARABOLA_SHAPE}
 """Number of each pulse shape in compiled code; passes of the lens off the centre line have their own."""
 
-SHORT: Final = 6.0
-"""Cells in half a life: below it no series is right in the cells of its birth and death."""
+SHORT: Final = 6.0  # cells in half a life: below it no series is right in the cells of its birth and death
 
 NEAR: Final = 8
 """Cells from the centre line within which a pass turns so sharply that as many on either side need other nodes."""
 
-FAR: Final = 2**60
-"""A cell that no run reaches."""
+FAR: Final = 2**60  # a cell that no run reaches
 
 QUARTER_TURN: Final = 0.25 * np.pi
 
 Lives = tuple[Doubles, Doubles, Doubles, Doubles, Doubles, Doubles]
 """Birth, half life and end (um), 1/d, (b/d)^2 for a pass at a distance b from the centre line, and weight."""
 
-Life = tuple[float, float, float, float, float, float]
-"""The same of one life."""
+Life = tuple[float, float, float, float, float, float]  # the same of one life
 
 Cells = tuple[int, float, Doubles, Doubles]
 """Number and width (um) of the first cell, the moments (3, cells), and room for what a landmark adds to some cells."""

@@ -20,23 +20,12 @@ from rubnoise.record.rows import LandmarkKind, Phase
 from rubnoise.simulation.force_cells import ForceCells, expand
 from rubnoise.simulation.series import rate, rate_of_rate, value, value_and_rate
 
-Records = NDArray[Any]
-"""An array of records: STATE, ROW or MARK."""
-
-Moving = Any
-"""The one record of STATE, changed in place; compiled code knows its fields."""
-
-ORDER: Final = 8
-"""Highest power of time in a step."""
-
-CUBIC: Final = 3
-"""Highest power of distance in the force."""
-
-TOLERANCE: Final = 1e-10
-"""Largest size of the last two terms of a step's series, over the width of a cell."""
-
-TOUCH: Final = 1e-9
-"""A least w below this times V is a standstill; f above G by less than this times G is a stick."""
+Records = NDArray[Any]  # an array of records: STATE, ROW or MARK
+Moving = Any  # the one record of STATE, changed in place; compiled code knows its fields
+ORDER: Final = 8  # highest power of time in a step
+CUBIC: Final = 3  # highest power of distance in the force
+TOLERANCE: Final = 1e-10  # largest size of the last two terms of a step's series, over the width of a cell
+TOUCH: Final = 1e-9  # a least w below this times V is a standstill; f above G by less than this times G is a stick
 
 SLIP, STUCK, REVERSED = map(int, Phase)
 STICK, BREAKAWAY, REVERSAL, FORWARD = map(int, LandmarkKind)

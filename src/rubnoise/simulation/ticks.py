@@ -12,8 +12,7 @@ TARGET = 3e-10
 """Error that the rule for cells allows, relative to the largest displacement. The rule is an upper envelope: the median
 error is 5 times smaller."""
 
-COEFFICIENT = 8e-4
-"""Coefficient of this envelope over the measured cases (docs/reproducibility.md)."""
+COEFFICIENT = 8e-4  # coefficient of this envelope over the measured cases (docs/reproducibility.md)
 
 VELOCITY_SHARE = 0.3
 """Weight of the velocity's error, relative to the largest velocity: an error of 1e-9 is good enough."""
@@ -21,8 +20,7 @@ VELOCITY_SHARE = 0.3
 WIDEST_CELL = 0.04
 """Largest width of a cell divided by the calibrated diameter: from 50 cells a life on the motion has nine digits."""
 
-MOST_CELLS = 4096
-"""Largest number of cells in a tick; a run that needs more is refused."""
+MOST_CELLS = 4096  # largest number of cells in a tick; a run that needs more is refused
 
 
 def coupled_spacing(model: Model) -> float:

@@ -35,16 +35,12 @@ from rubnoise.simulation.pushing import (
 from rubnoise.simulation.state import LiveRows, junction_columns
 from rubnoise.simulation.ticks import coupled_spacing
 
-CELLS: Final = 131_072
-"""Cells whose force is known at a time: it takes some 8 MB."""
-
-_BEHIND: Final = 1024
-"""Cells behind the slider among them, so that a short reversal stays within."""
+CELLS: Final = 131_072  # cells whose force is known at a time: it takes some 8 MB
+_BEHIND: Final = 1024  # cells behind the slider among them, so that a short reversal stays within
 
 _ROWS, _MARKS = 65_536, 4096
 
-_DEFLECTIONS: Final = 20.0
-"""How far the slider may run back, at least, over the displacement at which it is in balance."""
+_DEFLECTIONS: Final = 20.0  # how far the slider may run back, at least, over the displacement at which it is in balance
 
 
 class TwoWayMotion:

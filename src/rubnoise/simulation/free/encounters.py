@@ -14,20 +14,14 @@ from numpy.typing import NDArray
 
 from rubnoise.streams import Stream, uniforms
 
-HIGHEST: Final = 37
-"""Upper bound of heights above the lowest one of their layer, in units of s_0: -ln 2^-53 is 36.7."""
-
-LAYERS: Final = 64
-"""Largest number of layers; the deepest has e^63 times the encounters of the first."""
+HIGHEST: Final = 37  # upper bound of heights above the lowest one of their layer, in units of s_0: -ln 2^-53 is 36.7
+LAYERS: Final = 64  # largest number of layers; the deepest has e^63 times the encounters of the first
 
 ENCOUNTER: Final = np.dtype([("place", np.float64), ("height", np.float64), ("number", np.int64)])
 """Place (c) from the origin of its block, height (s_0), and number."""
 
-_FIRST_BLOCK: Final = 2**20
-"""Number of block 0 in the streams; blocks before the start have lower numbers."""
-
-_FEWEST: Final = 1000.0
-"""Smallest expected number of encounters of the first layer in a block."""
+_FIRST_BLOCK: Final = 2**20  # number of block 0 in the streams; blocks before the start have lower numbers
+_FEWEST: Final = 1000.0  # smallest expected number of encounters of the first layer in a block
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

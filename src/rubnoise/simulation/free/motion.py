@@ -57,8 +57,7 @@ TOUCH: Final = np.dtype(
 MARK: Final = np.dtype([(name, np.float64) for name in ("place", "speed", "x", "u")] + [("kind", np.int64)])
 """Where the last contact was lost or the first was made."""
 
-REACH: Final = 2.0
-"""Largest distance of a step (c); encounters are listed that far ahead."""
+REACH: Final = 2.0  # largest distance of a step (c); encounters are listed that far ahead
 
 DONE, FULL, DEEPER, LOST = range(4)
 """Why `advance` returned: the end was reached; space ran out; the separation would fall below the pool's bottom; the

@@ -15,8 +15,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_within
 from rubnoise.simulation.series import rate, rate_of_rate, value
 
-ORDER: Final = 16
-"""Degree of the series."""
+ORDER: Final = 16  # degree of the series
 
 TURN: Final = 0.5
 """Largest value of Omega times a step: coefficients of the linear motion fall at least as Omega^n/n!, and the terms
@@ -28,8 +27,7 @@ _MOST_TRIES: Final = 200
 
 OVERLAP, RATE = range(2)
 
-Records = NDArray[Any]
-"""An array of records, of CONTACT and of the kinds in `motion`; compiled code knows their fields."""
+Records = NDArray[Any]  # an array of records, of CONTACT and of the kinds in `motion`; compiled code knows their fields
 
 CONTACT: Final = np.dtype(
     [(name, np.float64) for name in ("place", "height", "weight", "share", "made", "largest")]
