@@ -18,7 +18,7 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
-from rubnoise.errors import RunFileRefused, naming, refusing_files
+from rubnoise.errors import Refused, RunFileRefused, naming, refusing_files
 from rubnoise.record.reader import column_chunks
 from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
 from rubnoise.storage import inventory, objects, schema
@@ -207,6 +207,8 @@ def calculating(source: object) -> Iterator[None]:
     """Say of values that no run has which result holds them, since its rows may hold anything."""
     try:
         yield
+    except Refused:  # which may be an IndexError as well
+        raise
     except (ArithmeticError, ValueError, IndexError) as problem:
         reason = " ".join(str(problem).split())
         raise RunFileRefused(f"{source}: {reason}; verify says which values are wrong") from problem
