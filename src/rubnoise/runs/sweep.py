@@ -148,12 +148,11 @@ class SweepStopped(RunStopped):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepProgress:
-    """The progress of a sweep: how many runs it has, how many are done or failed, and how many were done before."""
+    """The progress of a sweep: how many runs it has, and how many are done or failed."""
 
     runs: int
     done: int
     failed: int
-    before: int
 
 
 Watching = Callable[[SweepProgress], None]
@@ -204,7 +203,7 @@ class _Making:
         self._sweep, self._root, self._command, self._watch = sweep, root, command, watch
         self._found, self._before, self.replicates = known_runs(root, sweep)
         self._failed, self._left = dict[str, str](), set[str]()
-        self._runs = self._done = self._already = 0
+        self._runs = self._done = 0
         self._adaptive, self._mine = AdaptiveReplicates(sweep), _part_of(sweep, shard)
         self._due = time.monotonic() + EVERY if shard is None else inf  # a shard writes the index only at its end
 
@@ -215,7 +214,6 @@ class _Making:
         processes = (jobs or executors.processors()) if executor is None else 0
         scenarios = [point.scenario for point in missing]
         check_sweep_space(scenarios, self._root, jobs=processes, keep=self._sweep.keep)
-        self._already = self._done
         with executors.opened(executor, jobs, None if self._sweep.precision else len(missing)) as workers:
             (self._root / RUNS).mkdir(parents=True, exist_ok=True)
             work = partial(made, folder=self._root, keep=self._sweep.keep, command=self._command)
@@ -244,7 +242,7 @@ class _Making:
 
     def _tell(self, *_: object) -> None:
         failed = len(self._failed)
-        self._watch(SweepProgress(runs=self._runs, done=self._done, failed=failed, before=self._already))
+        self._watch(SweepProgress(runs=self._runs, done=self._done, failed=failed))
 
     def _ended(self) -> dict[str, Figures]:
         """Return the figures of every run that has ended; a failed run has none."""
