@@ -13,7 +13,7 @@ def test_an_estimate_is_the_mean_of_the_runs_with_student_s_interval() -> None:
     assert found.interval[1] - 3.0 == pytest.approx(3.182446 * found.standard_error, rel=1e-6)
 
 
-def test_errors_of_differences_and_ratios_add_up() -> None:
+def test_the_errors_of_both_numbers_of_a_ratio_add_up() -> None:
     one, other = (
         PooledEstimate(value=8.0, standard_error=0.3, runs=5),
         PooledEstimate(value=2.0, standard_error=0.4, runs=7),

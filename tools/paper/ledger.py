@@ -112,7 +112,7 @@ class Claimed:
 
     @property
     def agrees(self) -> bool:
-        """Whether theory has no number, or one within four standard errors (as probable a distance for few runs)."""
+        """Whether runs and theory agree: within four standard errors, or as rare a distance for few runs."""
         runs, exact = self.found.simulated, self.found.exact
         reach = float(stdtrit(runs.runs - 1, ndtr(4.0))) * runs.standard_error if runs.runs > 1 else inf
         return isnan(exact) or abs(runs.value - exact) <= max(reach, self.rounding)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rubnoise.api.columns import Column
 from rubnoise.api.keywords import shown
-from rubnoise.api.notebook import Overview, Shown
+from rubnoise.api.notebook import Displayed, Overview
 from rubnoise.arrays import slices
 from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import Rows
@@ -25,7 +25,7 @@ Read = Callable[..., NDArray[Any]]
 """Returns rows of a column by its name, all of them or from a first one to a last one."""
 
 
-class Columns(Shown, dict[str, Column]):
+class Columns(Displayed, dict[str, Column]):
     """The columns of one group of a result, by name: ``run.trace["real_contact_area"]``, each read when it is needed.
 
     ``len`` is the number of rows; iteration gives the names, the column first on which the others depend. It is a dict

@@ -123,8 +123,7 @@ def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum
         hint = did_you_mean(str(quantity), [*known, *SHORT], quote="'")
         if quantity in ("load", "normal-velocity"):
             hint = f'run.plot("psd", of={quantity!r}) draws it'
-        there = f"{quantity!r} has no spectrum here; there are {', '.join(known)}"
-        raise KeyError(advised(there, hint))
+        raise KeyError(advised(f"{quantity!r} has no spectrum here; there are {', '.join(known)}", hint))
     if timed := quantity in of_slider:
         seen = power_spectrum(groups["slider"][quantity], model.tick / (model.sliding_speed or 1.0), "s", segment)
     else:

@@ -1,18 +1,19 @@
 """How objects of Python show themselves: a heading over a table, as text and as the HTML of notebooks."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 from rubnoise.tables import as_html, as_text, shortened
 
-Overview = tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[str]]
-"""A heading, the names of columns, their rows, and remarks."""
+Overview = tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[str]]  # heading, names of columns, rows, remarks
 
 
-class Shown:
-    """An object that is shown by its overview."""
+class Displayed(ABC):
+    """An object that shows itself by its overview."""
 
+    @abstractmethod
     def _overview(self) -> Overview:
-        raise NotImplementedError
+        """Return what is shown."""
 
     def __repr__(self) -> str:
         heading, names, rows, remarks = self._overview()

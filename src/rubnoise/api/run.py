@@ -20,7 +20,7 @@ from rubnoise.api.column_group import SHORT, Columns, columns_by_group, homes_of
 from rubnoise.api.columns import with_units
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import refuse_unknown, shown
-from rubnoise.api.notebook import Overview, Shown
+from rubnoise.api.notebook import Displayed, Overview
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
@@ -75,7 +75,7 @@ class NoJunction(Refused, IndexError):  # noqa: N818  (says what is missing)
     """A run does not have a junction of this number."""
 
 
-class Run(Shown):
+class Run(Displayed):
     """A run: an open result file, which is a context manager, or a `Record` in memory.
 
     Opening reads its structure, asking for rows reads those rows. The groups of columns are attributes: ``junctions``

@@ -11,7 +11,7 @@ import numpy as np
 
 from rubnoise.api import keywords
 from rubnoise.api.given_columns import with_unit
-from rubnoise.api.notebook import Overview, Shown
+from rubnoise.api.notebook import Displayed, Overview
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.storage.output import whole_file
@@ -23,7 +23,7 @@ from rubnoise.units import FORCE, LENGTH, STRESS
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
-class Surface(Shown):
+class Surface(Displayed):
     """A map of heights in um, the first index along the sliding, with its form removed.
 
     `Surface.read` takes a file of an instrument, `Surface.of` an object of SurfaceTopography or an array, and

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rubnoise.api.column_group import Table
 from rubnoise.api.columns import Column
-from rubnoise.api.notebook import Overview, Shown
+from rubnoise.api.notebook import Displayed, Overview
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
@@ -48,7 +48,7 @@ class Failure:
     reason: str
 
 
-class SweepResult(Shown):
+class SweepResult(Displayed):
     """The folder of a sweep, opened; a context manager. Its index is read, its runs are opened when they are needed.
 
     ``runs`` has one row a run, point after point: `run_id`, `point`, `replicate`, the swept keys by their names,
