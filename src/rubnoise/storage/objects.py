@@ -4,6 +4,7 @@ So a file leads to no other file, and nothing in it is counted or read that no f
 """
 
 import os
+import re
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -17,7 +18,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.errors import RunFileRefused
+from rubnoise.errors import Refused, RunFileRefused, advised, reason_of
 from rubnoise.storage.schema import CHUNK_ROWS, HASH, Dataset, Scalar
 
 REMEDY: Final = "copy it again, or run its scenario again"
@@ -56,16 +57,16 @@ def opened_by_hdf5(path: str | os.PathLike[str], descriptor: int) -> h5py.File:
 
 
 @contextmanager
-def naming_damage() -> Iterator[None]:
-    """Turn what HDF5 and h5py raise on a damaged file, which may be any error, into a refusal."""
+def naming_damage(words: str = "damaged", remedy: str = REMEDY, kind: type[Refused] = RunFileRefused) -> Iterator[None]:
+    """Turn what a library raises on a damaged file, which may be any error, into a refusal: ``words``, and why."""
     try:
         yield
-    except RunFileRefused:
+    except Refused:
         raise
     except Exception as problem:
-        text = " ".join(str(problem).split())
-        reason = "cut short" if "truncated file" in text else f"damaged: {text}"
-        raise RunFileRefused(f"{reason}; {REMEDY}") from problem
+        text = " ".join(re.sub(r"'?<\S+ object at \w+>'?|`", "", reason_of(problem)).split())
+        why = "cut short" if "truncated file" in text else text[:200].rstrip(".")
+        raise kind(advised(f"{words}: {why}", remedy)) from problem
 
 
 def check_count(place: str, count: int, what: str, most: int = MOST) -> None:
