@@ -107,26 +107,31 @@ def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.Pr
     return dataset, creation
 
 
-def sound_column(owner: h5py.Group, column: Dataset, file_size: int) -> ColumnPlace:
+def sound_column(owner: h5py.Group, column: Dataset) -> ColumnPlace:
     """Return the place of the rows of a column; raises RunFileRefused if type, shape or storage are not ours."""
     path, (dataset, creation) = f"{owner.name}/{column.name}", own_dataset(owner, column.name)
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
-    offset, stored = dataset.id.get_offset() or 0, dataset.id.get_storage_size()
+    check_whole(dataset, creation)
+    return ColumnPlace(offset=dataset.id.get_offset() or 0, rows=dataset.size, dtype=column.dtype)
+
+
+def check_whole(dataset: h5py.Dataset, creation: h5py.h5p.PropDCID) -> None:
+    """Raise RunFileRefused unless all of a dataset is in the file, in one piece or in chunks and filters of ours."""
+    stored, end = dataset.id.get_storage_size(), dataset.file.id.get_filesize()
     if creation.get_layout() == h5py.h5d.CONTIGUOUS:
-        whole = not dataset.size or stored == dataset.nbytes <= file_size - offset
-    else:  # with the chunks and filters of ours, of which none is missing
+        whole = not dataset.size or stored == dataset.nbytes <= end - (dataset.id.get_offset() or 0)
+    else:
         filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
         (rows,) = creation.get_chunk()
         whole = (
             rows == min(dataset.size, CHUNK_ROWS)
             and filters == [h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE]
-            and dataset.nbytes / DEFLATE_RATIO <= stored <= file_size
+            and dataset.nbytes / DEFLATE_RATIO <= stored <= end
             and dataset.id.get_num_chunks() == ceil(dataset.size / rows)
         )
     if not whole:
-        raise RunFileRefused(f"{path} is not stored as our files store it")
-    return ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype)
+        raise RunFileRefused(f"{dataset.name} is not stored as our files store it")
 
 
 def rows_of_chunks(dataset: h5py.Dataset, first: int, last: int) -> NDArray[Any]:

@@ -56,7 +56,7 @@ class RunFile:
         self.path, self.descriptor = Path(path), descriptor
         self.watch: Watch | None = None
         self._place, self._file = self.path.absolute(), file
-        _check_version(file)
+        check_format(file, schema.FORMAT, schema.FORMAT_VERSION, "run its scenario again")
         self.provenance = read_provenance(file)
         if not self.provenance["finished"]:
             raise RunFileRefused("is a part of a run that did not end; the same command makes the run again")
@@ -64,10 +64,9 @@ class RunFile:
         self.seal = objects.stored_hash(file["provenance"])
         self.features = _features(file)
         self._columns: dict[str, dict[str, objects.ColumnPlace]] = {}
-        size = os.fstat(descriptor).st_size
         for group in stored_groups(self.features):
             owner = objects.sound_group(file, group.name)
-            columns = {each.name: objects.sound_column(owner, each, size) for each in group.columns}
+            columns = {each.name: objects.sound_column(owner, each) for each in group.columns}
             self._columns[group.name] = columns
             for name, place in columns.items():
                 if place.rows != self.rows(group.name):
@@ -230,21 +229,19 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     raise RunFileRefused("is not an HDF5 file; `rubnoise run` makes one")
 
 
-def _check_version(file: h5py.File) -> None:
-    found = objects.read_attribute(file, "format") if "format" in file.attrs else None
-    if found == schema.INDEX_FORMAT:
-        raise RunFileRefused("is the index of a sweep, not the result of a run")
-    if found != schema.FORMAT:
+def check_format(file: h5py.File, wanted: str, ours: int, remedy: str) -> None:
+    """Raise RunFileRefused for a file that is not of the ``wanted`` kind and version; TooNew for a newer version."""
+    found = objects.read_attribute(file, "format") if "format" in file.attrs else ""
+    if found != wanted and found in schema.FORMATS:
+        raise RunFileRefused(f"is {schema.FORMATS[found]}, not {schema.FORMATS[wanted]}")
+    if found != wanted:
         raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
-    version, ours = objects.read_attribute(file, "format_version", int), schema.FORMAT_VERSION
-    if version > schema.FORMAT_VERSION:
+    if (version := objects.read_attribute(file, "format_version", int)) > ours:
         source = objects.read_attribute(file, "source", str)
         written = f"has format version {version}, written by {source}"
         raise TooNew(f"{written}; this one reads versions up to {ours}. {source} or later is needed")
     if version < ours:
-        raise RunFileRefused(
-            f"has format version {version}, and this rubnoise reads version {ours}: run its scenario again"
-        )
+        raise RunFileRefused(f"has format version {version}, and this rubnoise reads version {ours}: {remedy}")
 
 
 def _features(file: h5py.File) -> frozenset[schema.Feature]:
