@@ -8,7 +8,6 @@ import re
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
 from types import UnionType
@@ -30,15 +29,6 @@ MOST: Final = 256
 """More objects in a group, or attributes of one, are in no file of ours; some room is left for what others add."""
 
 DEFLATE_RATIO: Final = 1032  # the most that deflate can expand: more rows than that were never in the file
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ColumnPlace:
-    """Where the rows of a column lie in their file; the offset is 0 without rows, and for chunks."""
-
-    offset: int
-    rows: int
-    dtype: str
 
 
 def opened_by_hdf5(path: str | os.PathLike[str], descriptor: int) -> h5py.File:
@@ -107,13 +97,13 @@ def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.Pr
     return dataset, creation
 
 
-def sound_column(owner: h5py.Group, column: Dataset) -> ColumnPlace:
-    """Return the place of the rows of a column; raises RunFileRefused if type, shape or storage are not ours."""
+def sound_column(owner: h5py.Group, column: Dataset) -> h5py.Dataset:
+    """Return a column of a group; raises RunFileRefused if type, shape or storage are not ours."""
     path, (dataset, creation) = f"{owner.name}/{column.name}", own_dataset(owner, column.name)
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
     check_whole(dataset, creation)
-    return ColumnPlace(offset=dataset.id.get_offset() or 0, rows=dataset.size, dtype=column.dtype)
+    return dataset
 
 
 def check_whole(dataset: h5py.Dataset, creation: h5py.h5p.PropDCID) -> None:
