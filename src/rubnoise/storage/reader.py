@@ -236,7 +236,8 @@ def check_format(file: h5py.File, wanted: str, ours: int, remedy: str) -> None:
         raise RunFileRefused(f"is {schema.FORMATS[found]}, not {schema.FORMATS[wanted]}")
     if found != wanted:
         raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
-    if (version := objects.read_attribute(file, "format_version", int)) > ours:
+    version = objects.read_attribute(file, "format_version", int)
+    if version > ours:
         source = objects.read_attribute(file, "source", str)
         written = f"has format version {version}, written by {source}"
         raise TooNew(f"{written}; this one reads versions up to {ours}. {source} or later is needed")
