@@ -68,11 +68,9 @@ def chunks(rows: Rows, group: str, size: int | None = None) -> Iterator[Chunk]:
         yield Chunk(rows, group, part.start, part.stop)
 
 
-def column_chunks(
-    rows: Rows, group: str, name: str, start: int = 0, stop: int | None = None, *, size: int | None = None
-) -> Iterator[NDArray[Any]]:
+def column_chunks(rows: Rows, group: str, name: str, start: int = 0, stop: int | None = None) -> Iterator[NDArray[Any]]:
     """Yield rows ``start`` to ``stop`` (to the end when None) of a column, as `chunks` yields all columns."""
-    for part in slices(start, rows.rows(group) if stop is None else stop, size):
+    for part in slices(start, rows.rows(group) if stop is None else stop):
         yield rows.column(group, name, part.start, part.stop)
 
 

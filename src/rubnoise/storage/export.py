@@ -11,7 +11,7 @@ from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import chunks
 from rubnoise.storage.format import unfailing
 from rubnoise.storage.layout import stored_groups
-from rubnoise.storage.output import PartFile, check_output, part_file
+from rubnoise.storage.output import check_output, whole_file
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import CONVENTIONS, Dataset, Group, Scalar
 
@@ -49,11 +49,16 @@ def write_csv(stream: TextIO, file: RunFile, group: Group, between: Callable[[],
         between()
 
 
-def _write_netcdf(part: PartFile, file: RunFile, groups: Sequence[Group], between: Callable[[], None]) -> None:
+def _write_csv(path: Path, file: RunFile, groups: Sequence[Group], between: Callable[[], None]) -> None:
+    with path.open("w", encoding="ascii", newline="") as stream:
+        write_csv(stream, file, groups[0], between)
+
+
+def _write_netcdf(path: Path, file: RunFile, groups: Sequence[Group], between: Callable[[], None]) -> None:
     """Write one group into the root, or several as groups, with units and origin as attributes."""
     with needing("analysis", "export --to netcdf"):
         import h5netcdf
-    with unfailing(part.descriptor) as target, h5netcdf.File(target, "w") as written:
+    with path.open("r+b") as stream, unfailing(stream.fileno()) as target, h5netcdf.File(target, "w") as written:
         written.attrs.update(origin(file))
         for group in groups:
             owner, dimension = written.create_group(group.name) if len(groups) > 1 else written, group.columns[0]
@@ -68,12 +73,12 @@ def _write_netcdf(part: PartFile, file: RunFile, groups: Sequence[Group], betwee
                 between()
 
 
-def _write_parquet(part: PartFile, file: RunFile, group: Group, between: Callable[[], None]) -> None:
+def _write_parquet(path: Path, file: RunFile, groups: Sequence[Group], between: Callable[[], None]) -> None:
     """Write one group, a chunk to a row group; its origin goes into the metadata of the schema."""
     with needing("tables", "export --to parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
-    fields = []
+    (group,), fields = groups, []
     for column in group.columns:
         about = {"units": column.units, "long_name": column.long_name, "symbol": column.symbol}
         if column.codes:
@@ -81,7 +86,7 @@ def _write_parquet(part: PartFile, file: RunFile, group: Group, between: Callabl
         fields.append(pa.field(column.name, pa.from_numpy_dtype(column.dtype), nullable=False, metadata=about))
     metadata = {"group": group.name, "long_name": group.long_name} | origin(file)
     schema = pa.schema(fields, metadata={name: str(value) for name, value in metadata.items()})
-    with pq.ParquetWriter(part.path, schema, compression="zstd", use_dictionary=False) as writer:
+    with pq.ParquetWriter(path, schema, compression="zstd", use_dictionary=False) as writer:
         for chunk in chunks(file, group.name, ROW_GROUP):
             writer.write_table(pa.table([pa.array(chunk[each.name]) for each in group.columns], schema=schema))
             between()
@@ -112,17 +117,7 @@ def export(
     """
     for path in files:
         check_output(path, force=force, reads=[file.path])
-    with ExitStack() as held:
-        parts = [held.enter_context(part_file(path, force=force)) for path in files]
-        for part, groups in zip(parts, files.values(), strict=True):
-            with part.failing():
-                if kind == "netcdf":
-                    _write_netcdf(part, file, groups, between)
-                elif kind == "parquet":
-                    _write_parquet(part, file, groups[0], between)
-                else:
-                    with part.path.open("w", encoding="ascii", newline="") as stream:
-                        write_csv(stream, file, groups[0], between)
-        for part in parts:
-            with part.failing():
-                part.finish()
+    write = {"csv": _write_csv, "netcdf": _write_netcdf, "parquet": _write_parquet}[kind]
+    with ExitStack() as finishing:
+        for path, groups in files.items():
+            write(finishing.enter_context(whole_file(path, force=force)), file, groups, between)

@@ -13,10 +13,10 @@ from typing import Any, Final
 import h5py
 import numpy as np
 
-from rubnoise.errors import NoColumn, Refused
+from rubnoise.errors import NoColumn, Refused, naming
 from rubnoise.regular_file import open_stream, read_at_most
 from rubnoise.storage.measured import Head, Source
-from rubnoise.storage.objects import linked, opened_by_hdf5
+from rubnoise.storage.objects import linked, naming_damage, opened_by_hdf5
 from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.text_table import read_table
 from rubnoise.units import spelled
@@ -43,15 +43,9 @@ def opened(trace: str | os.PathLike[str], column: str | None = None) -> Source:
     if kind not in _KINDS:
         return read_table(path)
     what, remedy, read = _KINDS[kind]
-    try:
+    with naming(path), naming_damage(f"is no {what} that can be read", remedy, NoColumn):
         columns, step = read(path, name or column or "")
         arrays = {n: np.ascontiguousarray(np.ravel(values), dtype=np.float64) for n, (_, values) in enumerate(columns)}
-    except Refused as refused:
-        raise type(refused)(f"{path}: {refused}") from refused
-    except Exception as problem:  # what a library raises on a damaged file, which may be any error
-        said = " ".join(str(problem).split())[:200].rstrip(".")
-        why = said if isinstance(problem, ValueError | OSError | Warning) else "it is cut or damaged"
-        raise NoColumn(f"{path}: is no {what} that can be read: {why}; {remedy}") from problem
     return Source(path=path, heads=[head for head, _ in columns], arrays=arrays, step=step, of_file=True)
 
 

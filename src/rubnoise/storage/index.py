@@ -20,8 +20,8 @@ from rubnoise.regular_file import open_stream
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
 from rubnoise.storage.format import LIBRARY_VERSIONS, as_bytes, put_attributes
-from rubnoise.storage.objects import naming_damage, own_dataset, read_attribute, sound_group
-from rubnoise.storage.reader import SIGNATURE, refusing
+from rubnoise.storage.objects import check_whole, naming_damage, own_dataset, read_attribute, sound_group
+from rubnoise.storage.reader import SIGNATURE, check_format, refusing
 from rubnoise.storage.schema import CONVENTIONS, INDEX_FORMAT, Dataset
 
 FORMAT_VERSION: Final = 1
@@ -115,23 +115,13 @@ def read_index(path: str | os.PathLike[str]) -> Index:
         if not content.startswith(SIGNATURE):
             raise RunFileRefused(f"is not an HDF5 file; {REMEDY}")
         with naming_damage(), h5py.File(stream, "r") as file:
-            _check_format(file)
+            check_format(file, INDEX_FORMAT, FORMAT_VERSION, REMEDY)
             if sealed(content[:-16]) != content:
                 raise RunFileRefused(f"damaged: is not as it was written; {REMEDY}")
             points, runs, summaries = (_columns(file, name) for name in GROUPS)
             curves = {name: column.values for name, column in summaries.items()}
             texts = {name: read_attribute(file, name, str) for name in TEXTS}
             return Index(texts=texts, points=points, runs=runs, summaries=curves)
-
-
-def _check_format(file: h5py.File) -> None:
-    found = read_attribute(file, "format", str) if "format" in file.attrs else ""
-    if found != INDEX_FORMAT:
-        known = "the result of one run, not the index of a sweep" if found else "an HDF5 file, but no index of a sweep"
-        raise RunFileRefused(f"is {known}")
-    if (version := read_attribute(file, "format_version", int)) != FORMAT_VERSION:
-        remedy = "install a newer rubnoise" if version > FORMAT_VERSION else REMEDY
-        raise RunFileRefused(f"has format version {version}, and this rubnoise reads {FORMAT_VERSION}; {remedy}")
 
 
 def _columns(file: h5py.File, group: str) -> dict[str, Filled]:
@@ -141,8 +131,7 @@ def _columns(file: h5py.File, group: str) -> dict[str, Filled]:
         dataset, creation = own_dataset(owner, name)
         if creation.get_layout() != h5py.h5d.CONTIGUOUS or not dataset.ndim or dataset.dtype.kind not in "fiS":
             raise RunFileRefused(f"{dataset.name} is not stored as our files store it")
-        if dataset.size and not dataset.id.get_storage_size() == dataset.nbytes <= file.id.get_filesize():
-            raise RunFileRefused(f"{dataset.name} has rows that are not in the file")
+        check_whole(dataset, creation)
         values: NDArray[Any] = dataset[()]
         if values.dtype.kind == "S":
             values = np.char.decode(values, "utf-8", "replace") if values.size else np.empty(values.shape, np.str_)

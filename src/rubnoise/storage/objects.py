@@ -4,10 +4,10 @@ So a file leads to no other file, and nothing in it is counted or read that no f
 """
 
 import os
+import re
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
 from types import UnionType
@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.errors import RunFileRefused
+from rubnoise.errors import Refused, RunFileRefused, advised, reason_of
 from rubnoise.storage.schema import CHUNK_ROWS, HASH, Dataset, Scalar
 
 REMEDY: Final = "copy it again, or run its scenario again"
@@ -29,15 +29,6 @@ MOST: Final = 256
 """More objects in a group, or attributes of one, are in no file of ours; some room is left for what others add."""
 
 DEFLATE_RATIO: Final = 1032  # the most that deflate can expand: more rows than that were never in the file
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ColumnPlace:
-    """Where the rows of a column lie in their file; the offset is 0 without rows, and for chunks."""
-
-    offset: int
-    rows: int
-    dtype: str
 
 
 def opened_by_hdf5(path: str | os.PathLike[str], descriptor: int) -> h5py.File:
@@ -56,16 +47,16 @@ def opened_by_hdf5(path: str | os.PathLike[str], descriptor: int) -> h5py.File:
 
 
 @contextmanager
-def naming_damage() -> Iterator[None]:
-    """Turn what HDF5 and h5py raise on a damaged file, which may be any error, into a refusal."""
+def naming_damage(words: str = "damaged", remedy: str = REMEDY, kind: type[Refused] = RunFileRefused) -> Iterator[None]:
+    """Turn what a library raises on a damaged file, which may be any error, into a refusal: ``words``, and why."""
     try:
         yield
-    except RunFileRefused:
+    except Refused:
         raise
     except Exception as problem:
-        text = " ".join(str(problem).split())
-        reason = "cut short" if "truncated file" in text else f"damaged: {text}"
-        raise RunFileRefused(f"{reason}; {REMEDY}") from problem
+        text = " ".join(re.sub(r"'?<\S+ object at \w+>'?|`", "", reason_of(problem)).split())
+        why = "cut short" if "truncated file" in text else text[:200].rstrip(".")
+        raise kind(advised(f"{words}: {why}", remedy)) from problem
 
 
 def check_count(place: str, count: int, what: str, most: int = MOST) -> None:
@@ -106,26 +97,31 @@ def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.Pr
     return dataset, creation
 
 
-def sound_column(owner: h5py.Group, column: Dataset, file_size: int) -> ColumnPlace:
-    """Return the place of the rows of a column; raises RunFileRefused if type, shape or storage are not ours."""
+def sound_column(owner: h5py.Group, column: Dataset) -> h5py.Dataset:
+    """Return a column of a group; raises RunFileRefused if type, shape or storage are not ours."""
     path, (dataset, creation) = f"{owner.name}/{column.name}", own_dataset(owner, column.name)
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
-    offset, stored = dataset.id.get_offset() or 0, dataset.id.get_storage_size()
+    check_whole(dataset, creation)
+    return dataset
+
+
+def check_whole(dataset: h5py.Dataset, creation: h5py.h5p.PropDCID) -> None:
+    """Raise RunFileRefused unless all of a dataset is in the file, in one piece or in chunks and filters of ours."""
+    stored, end = dataset.id.get_storage_size(), dataset.file.id.get_filesize()
     if creation.get_layout() == h5py.h5d.CONTIGUOUS:
-        whole = not dataset.size or stored == dataset.nbytes <= file_size - offset
-    else:  # with the chunks and filters of ours, of which none is missing
+        whole = not dataset.size or stored == dataset.nbytes <= end - (dataset.id.get_offset() or 0)
+    else:
         filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
         (rows,) = creation.get_chunk()
         whole = (
             rows == min(dataset.size, CHUNK_ROWS)
             and filters == [h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE]
-            and dataset.nbytes / DEFLATE_RATIO <= stored <= file_size
+            and dataset.nbytes / DEFLATE_RATIO <= stored <= end
             and dataset.id.get_num_chunks() == ceil(dataset.size / rows)
         )
     if not whole:
-        raise RunFileRefused(f"{path} is not stored as our files store it")
-    return ColumnPlace(offset=offset, rows=dataset.size, dtype=column.dtype)
+        raise RunFileRefused(f"{dataset.name} is not stored as our files store it")
 
 
 def rows_of_chunks(dataset: h5py.Dataset, first: int, last: int) -> NDArray[Any]:

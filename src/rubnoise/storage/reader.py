@@ -56,21 +56,20 @@ class RunFile:
         self.path, self.descriptor = Path(path), descriptor
         self.watch: Watch | None = None
         self._place, self._file = self.path.absolute(), file
-        _check_version(file)
+        check_format(file, schema.FORMAT, schema.FORMAT_VERSION, "run its scenario again")
         self.provenance = read_provenance(file)
         if not self.provenance["finished"]:
             raise RunFileRefused("is a part of a run that did not end; the same command makes the run again")
         self.attributes, self.summary = objects.read_attributes(file, schema.ROOT), read_summary(file)
         self.seal = objects.stored_hash(file["provenance"])
         self.features = _features(file)
-        self._columns: dict[str, dict[str, objects.ColumnPlace]] = {}
-        size = os.fstat(descriptor).st_size
+        self._columns: dict[str, dict[str, h5py.Dataset]] = {}
         for group in stored_groups(self.features):
             owner = objects.sound_group(file, group.name)
-            columns = {each.name: objects.sound_column(owner, each, size) for each in group.columns}
+            columns = {each.name: objects.sound_column(owner, each) for each in group.columns}
             self._columns[group.name] = columns
-            for name, place in columns.items():
-                if place.rows != self.rows(group.name):
+            for name, dataset in columns.items():
+                if dataset.size != self.rows(group.name):
                     raise RunFileRefused(f"/{group.name}/{name} has another number of rows than its group")
         self._close = finalize(self, os.close, descriptor)
 
@@ -101,7 +100,7 @@ class RunFile:
 
     def rows(self, group: str) -> int:
         """Return the number of rows of a group."""
-        return next(iter(self._columns[group].values())).rows
+        return int(next(iter(self._columns[group].values())).size)
 
     def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
         """Read rows ``start`` to ``stop`` (to the end when None) of a column, in the units of the schema.
@@ -109,20 +108,20 @@ class RunFile:
         More than 64 MB of them are mapped. The caller may change them; the file stays as it is. Raises KeyError for a
         name that the file does not have, RunFileRefused if its bytes cannot be read.
         """
-        place = self._columns[group][name]
-        first, last, _ = slice(start, stop).indices(place.rows)
-        if self.watch is not None:
-            self.watch(f"/{group}/{name}", last, place.rows)
+        dataset = self._columns[group][name]
         with self._reading():
-            if place.offset or not place.rows:
-                return self._stored_rows(place, first, max(first, last))
+            first, last, _ = slice(start, stop).indices(dataset.size)
+            if self.watch is not None:
+                self.watch(f"/{group}/{name}", last, dataset.size)
+            offset = dataset.id.get_offset() or 0
+            if offset or not dataset.size:
+                return self._stored_rows(offset, dataset.dtype, first, max(first, last))
             with objects.naming_damage():  # HDF5 finds the chunks of a compressed column
-                return objects.rows_of_chunks(self._file[group][name], first, max(first, last))
+                return objects.rows_of_chunks(dataset, first, max(first, last))
 
-    def _stored_rows(self, place: objects.ColumnPlace, first: int, last: int) -> NDArray[Any]:
+    def _stored_rows(self, offset: int, dtype: np.dtype[Any], first: int, last: int) -> NDArray[Any]:
         """Return rows that lie in one piece; raises RunFileRefused if the file does not have them any more."""
-        dtype = np.dtype(place.dtype)
-        start, size = place.offset + first * dtype.itemsize, (last - first) * dtype.itemsize
+        start, size = offset + first * dtype.itemsize, (last - first) * dtype.itemsize
         if os.fstat(self.descriptor).st_size >= start + size:
             if size > READ_BYTES:
                 page = start - start % ALLOCATIONGRANULARITY
@@ -142,7 +141,7 @@ class RunFile:
                 for values in column_chunks(self, group, name):
                     digest.update(values.data)
                 with objects.naming_damage():
-                    right = objects.stored_hash(self._file[group][name])
+                    right = objects.stored_hash(self._columns[group][name])
                 if digest.hexdigest() != right:
                     found[f"/{group}/{name}"] = CHANGED
             except RunFileRefused:
@@ -230,21 +229,20 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     raise RunFileRefused("is not an HDF5 file; `rubnoise run` makes one")
 
 
-def _check_version(file: h5py.File) -> None:
-    found = objects.read_attribute(file, "format") if "format" in file.attrs else None
-    if found == schema.INDEX_FORMAT:
-        raise RunFileRefused("is the index of a sweep, not the result of a run")
-    if found != schema.FORMAT:
+def check_format(file: h5py.File, wanted: str, ours: int, remedy: str) -> None:
+    """Raise RunFileRefused for a file that is not of the ``wanted`` kind and version; TooNew for a newer version."""
+    found = objects.read_attribute(file, "format") if "format" in file.attrs else ""
+    if found != wanted and found in schema.FORMATS:
+        raise RunFileRefused(f"is {schema.FORMATS[found]}, not {schema.FORMATS[wanted]}")
+    if found != wanted:
         raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
-    version, ours = objects.read_attribute(file, "format_version", int), schema.FORMAT_VERSION
-    if version > schema.FORMAT_VERSION:
+    version = objects.read_attribute(file, "format_version", int)
+    if version > ours:
         source = objects.read_attribute(file, "source", str)
         written = f"has format version {version}, written by {source}"
         raise TooNew(f"{written}; this one reads versions up to {ours}. {source} or later is needed")
     if version < ours:
-        raise RunFileRefused(
-            f"has format version {version}, and this rubnoise reads version {ours}: run its scenario again"
-        )
+        raise RunFileRefused(f"has format version {version}, and this rubnoise reads version {ours}: {remedy}")
 
 
 def _features(file: h5py.File) -> frozenset[schema.Feature]:

@@ -21,6 +21,7 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, needing
 from rubnoise.regular_file import open_stream
 from rubnoise.storage.measured import head_of
+from rubnoise.storage.objects import naming_damage
 from rubnoise.storage.text_table import ENCODINGS, begin_of
 from rubnoise.units import LENGTH, QuantityError, is_unit, read_quantity, spelled
 
@@ -46,15 +47,9 @@ def read_scan(path: Path, told: Told) -> Scan:
     """Return the map of a file; raises Refused for one without size or unit, with few points, or of another kind."""
     for keyword in ("unit", "height_unit"):
         length_scale(getattr(told, keyword) or "um", f"{keyword}=")  # also if the file names its own
-    try:
-        with np.errstate(all="ignore"), redirect_stderr(StringIO()):  # where readers print
-            return _read(_library(), path, told)
-    except Refused:
-        raise
-    except Exception as problem:  # a reader may raise anything about a damaged file
-        said = re.sub(r"'?<\S+ object at \w+>'?", "", str(getattr(problem, "strerror", None) or problem))
-        reason = " ".join(said.replace("`", "").split())[:200]
-        raise Refused(f"{path}: is no surface that can be read: {reason}") from problem
+    quiet = redirect_stderr(StringIO())  # where readers print
+    with naming_damage(f"{path}: is no surface that can be read", "", Refused), np.errstate(all="ignore"), quiet:
+        return _read(_library(), path, told)
 
 
 def _read(library: Any, path: Path, told: Told) -> Scan:

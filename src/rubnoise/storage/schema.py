@@ -17,6 +17,7 @@ centre line, a load that weighs, that the slider may leave its contact, and a ba
 Scalar = float | int | str  # what an attribute holds
 FORMAT: Final = "rubnoise-run"
 INDEX_FORMAT: Final = "rubnoise-sweep"
+FORMATS: Final[Mapping[Any, str]] = {FORMAT: "the result of a run", INDEX_FORMAT: "the index of a sweep"}
 FORMAT_VERSION: Final = 2
 CONVENTIONS: Final = "CF-1.11"
 CHUNK_ROWS: Final = 65_536  # in a chunk of a compressed column: a file with others is refused
