@@ -152,7 +152,7 @@ class SweepResult(Displayed):
             raise RunFileRefused(f"{self.path}: the run {run_id} has no file")
         with ExitStack() as opened:
             run = opened.enter_context(open_result(self.path / file))
-            if (name := name_in(scenario_in(run.reader()), run.path)) != run_id:
+            if (name := name_in(scenario_in(run.reader()))) != run_id:
                 raise RunFileRefused(f"{run.path}: is the result of another run, {name}")
             opened.pop_all()
         return run

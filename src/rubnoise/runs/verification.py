@@ -314,12 +314,11 @@ def verify_sweep(
                 names.differ(f"{place} is no file of a run")
                 continue
             try:
-                resolved, figures[path.stem], found = _verified(path)
-                name = name_in(resolved, path) or "no run of this version"
+                scenario, figures[path.stem], found = _verified(path)
             except RunFileRefused as refusal:
                 runs.differ(f"{place} {str(refusal).removeprefix(f'{path}: ')[:LONGEST]}")
                 continue
-            names.say(place, found=f"the result of {name}", expected=f"the result of {path.stem}")
+            names.say(place, found=f"the result of {name_in(scenario)}", expected=f"the result of {path.stem}")
             runs.values += found.values
             incomplete.update(found.left_out.items())
             for check in found.different:
@@ -327,17 +326,15 @@ def verify_sweep(
         return _verification(checks, *_left_out(root, incomplete), *_compare_index(index, root, figures))
 
 
-def _verified(path: Path) -> tuple[Mapping[str, Any], Figures, Verification]:
+def _verified(path: Path) -> tuple[Scenario | None, Figures, Verification]:
     """Return scenario and figures in the file of a run, and its verification; a summary alone is made again."""
     if path.suffix == SUFFIXES["runs"]:
         with open_run(path) as run:
             return scenario_in(run), numbers_in(run.summary), verify(run)
-    (resolved, kept), check = read(path), Check("summary")
-    found = dict(kept or {})
-    if resolved:
-        scenario = stored(resolved, f"{path}: the scenario in the file")
+    (scenario, found), check = read(path), Check("summary")
+    if scenario is not None:
         check.compare(_told(found), _told(summarised(scenario, first="spectrum_place" in found)))
-    return resolved, found, _verification([check])
+    return scenario, found, _verification([check])
 
 
 def _told(figures: Figures) -> dict[str, str]:
