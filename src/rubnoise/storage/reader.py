@@ -7,7 +7,7 @@ another file takes the name meanwhile, an open run shows the rows of the old one
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from mmap import ACCESS_COPY, ALLOCATIONGRANULARITY, mmap
 from pathlib import Path
 from typing import Any, Final, Self
@@ -28,8 +28,6 @@ SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
 READ_BYTES: Final = 64 * 1024**2  # longer columns are mapped: the system then reads the rows that are used
 UNREADABLE: Final = "unreadable"
-CHANGED: Final = "not what its hash was taken of"
-UNHASHED: Final = "beside a damaged hash"
 
 Watch = Callable[[str, int, int], None]
 """Called at each read with the path of the column, the row up to which is read, and how many rows there are."""
@@ -135,25 +133,19 @@ class RunFile:
         raise RunFileRefused(f"cut short; {objects.REMEDY}")
 
     def damaged(self) -> dict[str, str]:
-        """Return what is wrong with columns by their paths: UNREADABLE, CHANGED or UNHASHED; reads the whole file."""
-        columns = [(group, name) for group, names in self.columns.items() for name in names]
-        found = {f"/{group}/{name}": self._damage_of(group, name) for group, name in columns}
+        """Return what is wrong with columns by their paths, such as UNREADABLE; reads the whole file."""
+        found = dict[str, str]()
+        for group, name in ((group, name) for group, names in self.columns.items() for name in names):
+            place, digest = f"/{group}/{name}", xxhash.xxh3_128()
+            found[place] = UNREADABLE
+            with suppress(RunFileRefused):
+                for values in column_chunks(self, group, name):
+                    digest.update(values.data)
+                found[place] = "beside a damaged hash"
+                with objects.naming_damage():
+                    right = objects.stored_hash(self._file[group][name])
+                found[place] = "" if digest.hexdigest() == right else "not what its hash was taken of"
         return {place: damage for place, damage in found.items() if damage}
-
-    def _damage_of(self, group: str, name: str) -> str:
-        """Return what is wrong with a column; empty if it is as it was written."""
-        digest = xxhash.xxh3_128()
-        try:
-            for values in column_chunks(self, group, name):
-                digest.update(values.data)
-        except RunFileRefused:
-            return UNREADABLE
-        try:
-            with objects.naming_damage():
-                right = objects.stored_hash(self._file[group][name])
-        except RunFileRefused:
-            return UNHASHED
-        return "" if digest.hexdigest() == right else CHANGED
 
     def inventory(self) -> inventory.Inventory:
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
