@@ -141,10 +141,9 @@ def resize(path: Path, group: str, by: int) -> int:
         return int(values.size)
 
 
-@pytest.mark.parametrize("by", [-1, 1])
-def test_a_row_more_or_less_of_a_load_is_named(kept: Path, tmp_path: Path, by: int) -> None:
+def test_a_row_less_of_a_load_is_named(kept: Path, tmp_path: Path) -> None:
     path = fresh(kept, tmp_path, "under a load, without a slider")
-    rows = resize(path, "load", by)
+    rows = resize(path, "load", -1)
     found = {check.name: str(check.first) for check in asked(path).different}
     assert found["structure"].startswith(f"/load/time is dataset, <f8, [{rows}], ")
 
@@ -251,10 +250,8 @@ def test_a_column_that_cannot_be_read_is_told(kept: Path, tmp_path: Path) -> Non
 def test_a_damaged_hash_is_told_from_a_column_that_cannot_be_read(result: Path) -> None:
     with h5py.File(result, "r+") as file:
         file["trace/distance"].attrs[HASH] = 1.0
-    found = asked(result)
-    assert found.left_out == {}
-    told = {check.name: check.first for check in found.different}
-    assert told["hashes"] == "/trace/distance is beside a damaged hash, should be as it was written"
+    (check,) = asked(result).different
+    assert check.first == "/trace/distance is beside a damaged hash, should be as it was written"
 
 
 ENDED = (30, 1010, 1200)

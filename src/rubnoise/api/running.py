@@ -120,7 +120,8 @@ def run(
     scenario = _asked(scenario, seed, None, unknown, observe, intervene)
     check_output(path, force=force, reads=scenario.files)
     check_disk_space(expected(scenario), path)
-    description = describe(scenario, path, command or this_command(), intervene)
+    intervention = "" if intervene is None else name_of(intervene)
+    description = describe(scenario, path, command or this_command(), intervention)
     if watch is not None:
         watch(0.0, 0, 0)
     with RunWriter(path, description, force=force) as writer:

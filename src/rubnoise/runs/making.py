@@ -16,7 +16,7 @@ from rubnoise.record.reader import Attributes, MemoryRecord
 from rubnoise.record.sink import Extent, Sink, Tee
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.draws import Engine, extent
-from rubnoise.simulation.intervention import Intervention, name_of
+from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.linear import named_constants
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import simulate
@@ -67,12 +67,11 @@ def describe(
     scenario: Scenario,
     path: str | os.PathLike[str],
     command: Sequence[str],
-    intervene: Intervention | str | None = None,
+    intervention: str = "",
     known: Extent | None = None,
 ) -> RunDescription:
     """Return the description of a result that begins now; this counts its births, if its rows are not ``known``."""
     model, seed = scenario.model(), scenario.run.seed
-    name = intervene if isinstance(intervene, str) else "" if intervene is None else name_of(intervene)
     return RunDescription(
         title=scenario.title or Path(path).stem,
         extent=known or extent(model, seed),
@@ -89,7 +88,7 @@ def describe(
             "calibrated_diameter": model.calibrated_diameter,
             "propagator_constants": json.dumps(named_constants(model)),
             "command": join(command),
-            **({INTERVENTION: name} if name else {}),
+            **({INTERVENTION: intervention} if intervention else {}),
             "started": now(),
         },
     )
