@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,6 @@ from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep import Case, Point, Sweep, run_id
-from rubnoise.simulation.draws import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
 from rubnoise.storage.index import Filled, Index, read_index
@@ -85,7 +84,7 @@ def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda *_: Non
     """Run a scenario and return its figures and curves, with the theory of the curves for the first replicate."""
     model = scenario.model()
     sink = SummarySink(model)
-    simulate(model, scenario.run.seed, sink, engine=cast(Engine, scenario.run.engine), watch=watch)
+    simulate(model, scenario.run.seed, sink, engine=scenario.run.engine, watch=watch)
     return {**sink.finish(), **(sink.theory() if first else {})}
 
 

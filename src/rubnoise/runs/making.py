@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import join
-from typing import cast
 
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import attributes_of
@@ -15,7 +14,7 @@ from rubnoise.arrays import slices
 from rubnoise.record.reader import Attributes, MemoryRecord
 from rubnoise.record.sink import Extent, Sink, Tee
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.draws import Engine, extent
+from rubnoise.simulation.draws import extent
 from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.linear import named_constants
 from rubnoise.simulation.observer import Observer
@@ -76,7 +75,7 @@ def describe(
         title=scenario.title or Path(path).stem,
         extent=known or extent(model, seed),
         features=features_of(model),
-        compression="gzip" if scenario.output.compression == "gzip" else "none",
+        compression=scenario.output.compression,
         pulse=model.pulse,
         provenance={
             "scenario_toml": scenario.text,
@@ -108,7 +107,7 @@ def play(
         seen.model,
         scenario.run.seed,
         Tee((writer, seen)),
-        engine=cast(Engine, scenario.run.engine),
+        engine=scenario.run.engine,
         observe=observe,
         intervene=intervene,
         watch=watch,
