@@ -3,7 +3,6 @@
 import os
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -146,11 +145,10 @@ class SweepResult(Displayed):
             raise KeyError(f"{self.path}: no run is named {run_id}")
         if self.runs["file"][int(rows[0])] != (file := file_of(Path(), run_id, "runs").as_posix()):
             raise RunFileRefused(f"{self.path}: the run {run_id} has no file")
-        with ExitStack() as opened:
-            run = opened.enter_context(open_result(self.path / file))
-            if (name := name_in(scenario_in(run.reader()))) != run_id:
-                raise RunFileRefused(f"{run.path}: is the result of another run, {name}")
-            opened.pop_all()
+        run = open_result(self.path / file)
+        if (name := name_in(scenario_in(run.reader()))) != run_id:
+            run.close()
+            raise RunFileRefused(f"{run.path}: is the result of another run, {name}")
         return run
 
     def scenario(self, point: int) -> "Scenario":
