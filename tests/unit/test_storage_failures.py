@@ -1,9 +1,7 @@
 """A run that fails leaves nothing behind, and provenance that names no person."""
 
-import errno
 import getpass
 import json
-import os
 import platform
 import re
 import resource
@@ -11,7 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import h5py
 import pytest
 
 import rubnoise
@@ -54,17 +51,6 @@ def test_a_file_that_appears_during_the_run_is_spared(tmp_path: Path) -> None:
     assert names(tmp_path) == ["run.h5", "run.h5.part"]
     with open_run(tmp_path / "run.h5.part") as run:
         assert run.damaged() == {}
-
-
-def test_a_disk_without_hard_links_gets_a_rename(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*arguments: object) -> None:
-        raise OSError(errno.EPERM, "Operation not permitted")
-
-    monkeypatch.setattr(os, "link", refuse)
-    attempt(tmp_path / "run.h5")
-    assert names(tmp_path) == ["run.h5"]
-    with h5py.File(tmp_path / "run.h5") as file:
-        assert file["trace/distance"].size == 11
 
 
 # Provenance names software, machine and command, and no person.

@@ -16,6 +16,7 @@ import rubnoise
 from rubnoise.runs.verification import Verification, verify
 from rubnoise.simulation.draws import births_per_block
 from rubnoise.storage.reader import open_run
+from rubnoise.storage.schema import HASH
 from tests.unit.tampering import LOADED, ONE_WAY, TWO_WAY, Kind, flip, forget, put, run_of, scenario_of, tell
 
 SPEED = 1000.0
@@ -140,6 +141,13 @@ def resize(path: Path, group: str, by: int) -> int:
         return int(values.size)
 
 
+def test_a_row_less_of_a_load_is_named(kept: Path, tmp_path: Path) -> None:
+    path = fresh(kept, tmp_path, "under a load, without a slider")
+    rows = resize(path, "load", -1)
+    found = {check.name: str(check.first) for check in asked(path).different}
+    assert found["structure"].startswith(f"/load/time is dataset, <f8, [{rows}], ")
+
+
 @pytest.mark.parametrize("group", ["junctions", "slider", "landmarks"])
 @pytest.mark.parametrize("by", [-1, 1])
 def test_a_row_more_or_less_is_named(two_way: Path, group: str, by: int) -> None:
@@ -237,6 +245,13 @@ def test_a_column_that_cannot_be_read_is_told(kept: Path, tmp_path: Path) -> Non
     found = asked(path)
     assert str(found.different[0].first) == "/trace/real_contact_area is unreadable, should be as it was written"
     assert found.left_out["everything else"] == "/trace/real_contact_area cannot be read"
+
+
+def test_a_damaged_hash_is_told_from_a_column_that_cannot_be_read(result: Path) -> None:
+    with h5py.File(result, "r+") as file:
+        file["trace/distance"].attrs[HASH] = 1.0
+    (check,) = asked(result).different
+    assert check.first == "/trace/distance is beside a damaged hash, should be as it was written"
 
 
 ENDED = (30, 1010, 1200)

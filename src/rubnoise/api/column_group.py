@@ -2,24 +2,18 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.api.columns import Column
 from rubnoise.api.keywords import shown
-from rubnoise.api.notebook import Displayed, Overview
+from rubnoise.api.notebook import DataFrame, Dataset, Displayed, Figure, Overview
 from rubnoise.arrays import slices
 from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
-
-if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
-    import xarray as xr
-    from matplotlib.figure import Figure
-
 
 Read = Callable[..., NDArray[Any]]
 """Returns rows of a column by its name, all of them or from a first one to a last one."""
@@ -39,6 +33,7 @@ class Columns(Displayed, dict[str, Column]):
 
     __eq__ = object.__eq__
     __hash__ = object.__hash__  # type: ignore[assignment]
+    values, items, get = Mapping.values, Mapping.items, Mapping.get  # type: ignore[assignment]  # by way of __getitem__
 
     def __reduce__(self) -> tuple[Any, ...]:
         return dict.__new__, (type(self),), self.__dict__
@@ -98,24 +93,12 @@ class Columns(Displayed, dict[str, Column]):
         """Return the names, so that ``dict(run.trace)`` is a dictionary of columns."""
         return self.names
 
-    def values(self) -> Iterable[Column]:  # type: ignore[override]
-        """Return the columns, each read when its turn comes."""
-        return (self[name] for name in self.names)
-
-    def items(self) -> Iterable[tuple[str, Column]]:  # type: ignore[override]
-        """Return names and columns."""
-        return ((name, self[name]) for name in self.names)
-
-    def get(self, name: str, default: Any = None) -> Any:
-        """Return a column, or the default if there is none of that name."""
-        return self[name] if name in self else default  # noqa: SIM401  (get is what is defined here)
-
     @property
     def units(self) -> dict[str, str]:
         """The unit of each column by its name."""
         return {name: about.units for name, about in self._columns.items()}
 
-    def head(self, rows: int = 5) -> "pd.DataFrame":
+    def head(self, rows: int = 5) -> "DataFrame":
         """Return the first rows as a pandas DataFrame; raises ExtraMissing without pandas."""
         return self._chosen(np.arange(min(max(rows, 0), len(self)))).to_pandas()
 
@@ -173,14 +156,14 @@ class Columns(Displayed, dict[str, Column]):
         place, *columns = (self[each] for each in (self.names if name is None else (self.names[0], name)))
         return drawn_columns((place.values, place.label), [(each.values, each.label) for each in columns])
 
-    def to_pandas(self, names: Sequence[str] | None = None) -> "pd.DataFrame":
+    def to_pandas(self, names: Sequence[str] | None = None) -> "DataFrame":
         """Return all columns, or those (or the one) named, as a pandas DataFrame whose index is the first column.
 
         Units are in ``frame.attrs["units"]``, by name. Raises KeyError for an unknown name, ExtraMissing without
         pandas.
         """
         with needing("analysis", "to_pandas"):
-            import pandas as pd
+            import pandas as pd  # type: ignore[import-untyped]
         scale, *rest = self.names
         asked = rest if names is None else [names] if isinstance(names, str) else names
         columns = {name: self[name] for name in (scale, *asked)}
@@ -188,7 +171,7 @@ class Columns(Displayed, dict[str, Column]):
         frame.attrs["units"] = {name: column.units for name, column in columns.items()}
         return frame
 
-    def to_xarray(self, *, index: bool = True) -> "xr.Dataset":
+    def to_xarray(self, *, index: bool = True) -> "Dataset":
         """Return all columns as an xarray Dataset with units; a column of a file above 64 MB is read when it is needed.
 
         The first column becomes the coordinate: with ``index`` ``.sel`` finds rows by it. Raises ExtraMissing without

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any, Final
 from rubnoise.analysis.spectra import SEGMENTS, welch
 from rubnoise.api.column_group import SHORT, Table
 from rubnoise.api.columns import Column, with_units
+from rubnoise.api.notebook import Figure
 from rubnoise.errors import Refused, advised, did_you_mean
 from rubnoise.real_numbers import number_in
 from rubnoise.units import LENGTH, TIME
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from rubnoise.api.run import Run
 
 SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from rubnoise.answer import Answer, Row, Table, shown
+from rubnoise.api.notebook import DataFrame, Figure
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, needing
 from rubnoise.inference.estimates import NAMES, Estimate
@@ -20,9 +21,6 @@ from rubnoise.storage.output import whole_file
 from rubnoise.tables import shortened
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
-    from matplotlib.figure import Figure
-
     from rubnoise.scenario import Scenario
 
 
@@ -126,10 +124,10 @@ class Inference(InferenceResult):
         found = {name: (e.value, e.standard_error, *e.interval, e.unit) for name, e in self.estimates.items()}
         return {name: dict(zip(names, values, strict=True)) for name, values in found.items()}
 
-    def to_pandas(self) -> "pd.DataFrame":
+    def to_pandas(self) -> "DataFrame":
         """Return the estimates as a DataFrame whose index is the quantity; else raises ExtraMissing."""
         with needing("analysis", "to_pandas"):
-            import pandas as pd
+            import pandas as pd  # type: ignore[import-untyped]
         return pd.DataFrame.from_dict(self.to_dict(), orient="index").rename_axis("quantity")
 
     @property

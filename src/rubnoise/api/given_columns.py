@@ -29,7 +29,8 @@ def sampled(given: Any, asked: Asked, name: str = "trace", *, unit: Any = "", ev
     if isinstance(given, str | os.PathLike):
         with refusing_files(given):
             return measured(opened(given, asked.column), asked, every=every)
-    source = _table_of(given, name, rated=asked.rate is not None)
+    # Beside a rate, which says how often samples were taken, a column of a run is an array like any other.
+    source = _table_of(given.values if asked.rate is not None and isinstance(given, Column) else given, name)
     if source is None:
         return measured(_array_of(given, name, asked, unit), asked, every=every)
     if (asked.place, asked.time, asked.rate) == (None, None, None) and (every or source.heads[0].along(named=True)):
@@ -60,16 +61,15 @@ def with_unit(values: Any, what: str, unit: Any) -> tuple[Doubles, str]:
     return real_numbers(values, what, own), own
 
 
-def _table_of(given: Any, name: str, *, rated: bool) -> Source | None:
+def _table_of(given: Any, name: str) -> Source | None:
     """Return a table as a source of samples, time or distance first; None if it is no table.
 
     A table is a DataFrame, a Series whose index has a name or holds times, a DataArray or Dataset of one dimension, a
     group of columns of a run or one of its columns, a run, which means its trace, an object with ``columns``,
-    ``units``, ``place`` and ``step``, or a dict of arrays by headers with units. ``rated``: the caller says how often
-    samples were taken, so that a column of a run is an array like any other. Quantities of pint are converted to the
-    unit of their header, or have their own if it names none.
+    ``units``, ``place`` and ``step``, or a dict of arrays by headers with units. Quantities of pint are converted to
+    the unit of their header, or have their own if it names none.
     """
-    if (columns := _columns_of(given, rated=rated)) is None:
+    if (columns := _columns_of(given)) is None:
         return None
     heads, arrays = [head_of(str(header)) for header in columns], {}
     for number, (header, values) in enumerate(columns.items()):
@@ -81,14 +81,14 @@ def _table_of(given: Any, name: str, *, rated: bool) -> Source | None:
     return Source(path=name, heads=heads, arrays=arrays, notes=notes)
 
 
-def _columns_of(given: Any, *, rated: bool) -> Mapping[str, Any] | None:
+def _columns_of(given: Any) -> Mapping[str, Any] | None:
     """Return columns by headers with units."""
     if all(hasattr(given, name) for name in ("columns", "units", "place", "step")):
         names = (given.place, *(name for name in given.columns if name != given.place))
         return {_header(name, given.units[name]): given.columns[name] for name in names}
     given = given.trace if hasattr(given, "provenance") else given
     if isinstance(given, Column):
-        place = None if rated or given.about is None else given.beside
+        place = given.beside
         if place is None or place.name == given.name or place.units not in _PLACES:
             return None
         return {_header(each.name, each.units): each.values for each in (place, given)}

@@ -1,9 +1,20 @@
-"""How objects of Python show themselves: a heading over a table, as text and as the HTML of notebooks."""
+"""How objects of Python show themselves, as text and in notebooks, and types of libraries that are loaded on demand."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from rubnoise.tables import as_html, as_text, shortened
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from pandas import DataFrame  # type: ignore[import-untyped]
+    from xarray import Dataset, DataTree
+else:
+    Axes = Figure = DataFrame = Dataset = DataTree = Any
+
+__all__ = ["Axes", "DataFrame", "DataTree", "Dataset", "Displayed", "Figure", "Overview"]
 
 Overview = tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[str]]  # heading, names of columns, rows, remarks
 

@@ -10,6 +10,7 @@ import numpy as np
 from rubnoise.analysis.sound import Heard
 from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
+from rubnoise.api.notebook import Axes, Figure
 from rubnoise.api.trace import Trace
 from rubnoise.errors import Refused, advised, did_you_mean, naming
 from rubnoise.figures import Kind, style
@@ -21,9 +22,6 @@ from rubnoise.regular_file import is_hdf5
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from rubnoise.api.run import Run
 
 AREA: Final = "area"

@@ -20,7 +20,7 @@ from rubnoise.api.column_group import SHORT, Columns, columns_by_group, homes_of
 from rubnoise.api.columns import with_units
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import refuse_unknown, shown
-from rubnoise.api.notebook import Displayed, Overview
+from rubnoise.api.notebook import Axes, DataFrame, DataTree, Displayed, Figure, Overview
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
@@ -28,11 +28,6 @@ from rubnoise.storage import schema
 from rubnoise.storage.reader import RunFile, calculating, open_run
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from rubnoise.analysis.findings import Comparison
     from rubnoise.api.estimates import PowerSpectrum
     from rubnoise.api.trace import Trace
@@ -55,7 +50,7 @@ class Summary(list[Row]):
     def _repr_html_(self) -> str:
         return self._answer()._repr_html_()
 
-    def to_pandas(self) -> "pd.DataFrame":
+    def to_pandas(self) -> "DataFrame":
         """Return the figures as a pandas DataFrame whose index is their name; raises ExtraMissing without pandas."""
         return self._answer().to_pandas().set_index("name")
 
@@ -300,7 +295,7 @@ class Run(Displayed):
         heading = f"{self._called}: {self.attributes['title']}".removesuffix(": ")
         return heading, ("group", "", "columns"), rows, ()
 
-    def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
+    def to_xarray(self, *, index: bool = True) -> "DataTree":
         """Return the result as an xarray DataTree, ``run.to_xarray()["trace"]``; groups are as of Columns.to_xarray."""
         with needing("analysis", "to_xarray"):
             import xarray as xr
@@ -309,7 +304,7 @@ class Run(Displayed):
         found.attrs.update(self.attributes)
         return found
 
-    def to_pandas(self) -> "dict[str, pd.DataFrame]":
+    def to_pandas(self) -> "dict[str, DataFrame]":
         """Read every group into a pandas DataFrame; see Columns.to_pandas, which reads one."""
         return {name: columns.to_pandas() for name, columns in self._groups.items()}
 

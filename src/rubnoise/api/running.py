@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, cast
+from typing import Any
 
 from rubnoise.api.run import Run
 from rubnoise.api.scenarios import load
@@ -85,7 +85,7 @@ def simulate(
     check_memory(budget, kept_bytes=budget.result_bytes)
     intervention = "" if intervene is None else name_of(intervene)
     kept = KeptRun(extent=extent(model, seed), scenario=scenario, intervention=intervention)
-    run_model(model, seed, kept, engine=cast(Engine, scenario.run.engine), observe=observe, intervene=intervene)
+    run_model(model, seed, kept, engine=scenario.run.engine, observe=observe, intervene=intervene)
     kept.protect()
     return Record(kept)
 
@@ -120,7 +120,8 @@ def run(
     scenario = _asked(scenario, seed, None, unknown, observe, intervene)
     check_output(path, force=force, reads=scenario.files)
     check_disk_space(expected(scenario), path)
-    description = describe(scenario, path, command or this_command(), intervene)
+    intervention = "" if intervene is None else name_of(intervene)
+    description = describe(scenario, path, command or this_command(), intervention)
     if watch is not None:
         watch(0.0, 0, 0)
     with RunWriter(path, description, force=force) as writer:
@@ -151,5 +152,5 @@ def _asked(source: Any, seed: int | None, engine: Engine | None, unknown: Mappin
     if seed is not None:
         scenario = replace(scenario.replace(seed=seed), text=scenario.text)
     scenario = scenario if engine is None else scenario.replace(engine=engine)
-    check_guests(scenario.model(), cast(Engine, scenario.run.engine), *guests)
+    check_guests(scenario.model(), scenario.run.engine, *guests)
     return scenario

@@ -3,7 +3,6 @@
 import os
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from rubnoise.api.column_group import Table
 from rubnoise.api.columns import Column
-from rubnoise.api.notebook import Displayed, Overview
+from rubnoise.api.notebook import DataFrame, Dataset, Displayed, Figure, Overview
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
@@ -27,10 +26,6 @@ from rubnoise.storage.reader import refusing
 from rubnoise.units import KINDS, RATIO
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
-    import xarray as xr
-    from matplotlib.figure import Figure
-
     from rubnoise.analysis.replicates import PooledEstimate
     from rubnoise.figures import Style
     from rubnoise.scenario import Scenario
@@ -150,11 +145,10 @@ class SweepResult(Displayed):
             raise KeyError(f"{self.path}: no run is named {run_id}")
         if self.runs["file"][int(rows[0])] != (file := file_of(Path(), run_id, "runs").as_posix()):
             raise RunFileRefused(f"{self.path}: the run {run_id} has no file")
-        with ExitStack() as opened:
-            run = opened.enter_context(open_result(self.path / file))
-            if (name := name_in(scenario_in(run.reader()), run.path)) != run_id:
-                raise RunFileRefused(f"{run.path}: is the result of another run, {name}")
-            opened.pop_all()
+        run = open_result(self.path / file)
+        if (name := name_in(scenario_in(run.reader()))) != run_id:
+            run.close()
+            raise RunFileRefused(f"{run.path}: is the result of another run, {name}")
         return run
 
     def scenario(self, point: int) -> "Scenario":
@@ -166,7 +160,7 @@ class SweepResult(Displayed):
         """Read one of ``summaries``: one row a run, or a point; raises KeyError for an unknown name."""
         return self.index.summaries[name].copy()
 
-    def to_xarray(self) -> "xr.Dataset":
+    def to_xarray(self) -> "Dataset":
         """Return the figures as an xarray Dataset whose dimensions are the swept keys and `replicate`.
 
         A key goes by its last word too, if no other key ends with it. Keys of [sweep.zip] share the dimension
@@ -175,7 +169,7 @@ class SweepResult(Displayed):
         with needing("analysis", "to_xarray"):
             return labelled(self)
 
-    def to_pandas(self) -> "pd.DataFrame":
+    def to_pandas(self) -> "DataFrame":
         """Return `runs` as a pandas DataFrame; raises ExtraMissing without pandas."""
         return self.runs.to_pandas()
 
@@ -238,7 +232,7 @@ REPLICATE: Final = "replicate"
 SIDE_BY_SIDE: Final = "side_by_side"
 
 
-def labelled(sweep: "SweepResult") -> "xr.Dataset":
+def labelled(sweep: "SweepResult") -> "Dataset":
     """Return the runs of a sweep as an xarray Dataset on the grid of its keys and replicates.
 
     Points lie on the grid row by row. Where a point has fewer runs there is nan, an empty text, or -1.

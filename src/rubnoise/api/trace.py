@@ -21,7 +21,7 @@ from rubnoise.errors import Refused
 from rubnoise.inference.signal import autocovariance, clipped, digits
 from rubnoise.real_numbers import check_unit
 from rubnoise.storage.measured import Source
-from rubnoise.units import AREA, BESIDE, FORCE, KINDS, LENGTH, MASS, NONE, SPEED, STRESS, TIME, parse_unit
+from rubnoise.units import AREA, FORCE, KINDS, LENGTH, MASS, NONE, SPEED, STRESS, TIME, unit_or_one
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
 """Kinds whose units are converted to the working unit."""
@@ -225,15 +225,14 @@ def _working_unit(unit: str, what: str, notes: list[str] | None) -> tuple[str, f
 
     So does an unknown one, which is noted; without ``notes`` it is refused.
     """
-    if unit in NONE or unit in BESIDE:
-        return unit if unit in BESIDE else "1", 1.0
     try:
         check_unit(unit, what)
     except Refused as refused:
         if notes is None:
             raise
         notes.append(f"{refused}; it stays as it is")
-        return unit, 1.0
-    read = parse_unit(unit)
+    read = unit_or_one(unit)
     kind = next((each for each in CONVERTED if each.dimension == read.dimension), None)
-    return (unit, 1.0) if kind is None else (kind.unit, float(read.size))
+    if kind is not None:
+        return kind.unit, float(read.size)
+    return "1" if unit in NONE else unit, 1.0

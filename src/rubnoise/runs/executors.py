@@ -13,7 +13,7 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cache, partial
 from importlib import import_module
@@ -165,10 +165,11 @@ def _of_client(client: Any) -> Workers:
 
     @contextmanager
     def start() -> Iterator[Any]:
-        with ExitStack() as ending:
-            executor = client.get_executor(pure=False)
-            ending.callback(executor.shutdown, wait=False)
+        executor = client.get_executor(pure=False)
+        try:
             yield executor
+        finally:
+            executor.shutdown(wait=False)
 
     def lanes() -> int:
         try:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,9 @@ from rubnoise.regular_file import INDEX, open_stream
 from rubnoise.runs.making import describe, play
 from rubnoise.scenario.document import SECTIONS, Keep
 from rubnoise.scenario.fields import keys_of
+from rubnoise.scenario.reading import stored
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep import Case, Point, Sweep, name_of
-from rubnoise.simulation.draws import Engine
+from rubnoise.scenario.sweep import Case, Point, Sweep, run_id
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
 from rubnoise.storage.index import Filled, Index, read_index
@@ -33,7 +33,7 @@ from rubnoise.storage.layout import now, package_version
 from rubnoise.storage.objects import naming_damage
 from rubnoise.storage.output import OutputInUse, whole_file
 from rubnoise.storage.reader import InUse, TooNew, open_run, refusing
-from rubnoise.storage.schema import Dataset
+from rubnoise.storage.schema import INTERVENTION, Dataset
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.units import RATIO, Quantity
@@ -84,7 +84,7 @@ def summarised(scenario: Scenario, *, first: bool, watch: Watch = lambda *_: Non
     """Run a scenario and return its figures and curves, with the theory of the curves for the first replicate."""
     model = scenario.model()
     sink = SummarySink(model)
-    simulate(model, scenario.run.seed, sink, engine=cast(Engine, scenario.run.engine), watch=watch)
+    simulate(model, scenario.run.seed, sink, engine=scenario.run.engine, watch=watch)
     return {**sink.finish(), **(sink.theory() if first else {})}
 
 
@@ -106,53 +106,49 @@ def found(point: Point, path: Path) -> Figures | None:
     if not path.exists():
         return None
     try:
-        resolved, figures = read(path, checked=True)
+        scenario, figures = read(path, checked=True)
     except RunFileRefused as refusal:
         if isinstance(refusal, InUse | TooNew) or isinstance(refusal.__cause__, OSError):
             raise
         return None
-    if name_in(resolved, path) != point.run_id:
+    if name_in(scenario) != point.run_id:
         raise OutputRefused(f"{path}: is not the result of this run; move it away, and the same command makes it")
     return figures
 
 
-def read(path: Path, *, checked: bool = False) -> tuple[Mapping[str, Any], Figures | None]:
-    """Return the scenario in the file of a run and its figures, None if it is ``checked`` and not as it was written.
+def read(path: Path, *, checked: bool = False) -> tuple[Scenario | None, Figures]:
+    """Return the scenario in the file of a run, None if this version makes other bits of it, and its figures.
 
-    The scenario is empty if this version makes other bits of it. Raises RunFileRefused for another file.
+    Raises RunFileRefused for another file, and for one that is ``checked`` and not as it was written.
     """
     if path.suffix == SUFFIXES["summary"]:
         return _read_summary(path)
     with open_run(path) as file:
-        spoilt = checked and (not file.summary or file.damaged())
-        return scenario_in(file), None if spoilt else numbers_in(file.summary)
+        if checked and (not file.summary or file.damaged()):
+            raise RunFileRefused(f"{path}: is not as it was written")
+        return scenario_in(file), numbers_in(file.summary)
 
 
-def scenario_in(file: Reader) -> Mapping[str, Any]:
-    """Return the scenario in a result, empty if this version makes other bits of it; raises RunFileRefused."""
+def scenario_in(file: Reader) -> Scenario | None:
+    """Return the scenario in a result, None if this version makes other bits of it; raises RunFileRefused."""
     origin = file.provenance
-    if origin["stream_version"] != STREAM_VERSION or "intervention" in origin:
-        return {}  # with lives ended from outside it is no sample of the scenario
-    try:
-        return dict(json.loads(str(origin["scenario_resolved"])))
-    except (ValueError, TypeError, RecursionError) as problem:
-        raise RunFileRefused(f"{file.path}: the scenario in the file is not valid") from problem
+    if origin["stream_version"] != STREAM_VERSION or INTERVENTION in origin:
+        return None  # with lives ended from outside it is no sample of the scenario
+    return stored(origin["scenario_resolved"], f"{file.path}: the scenario in the file")
 
 
-def _read_summary(path: Path) -> tuple[Mapping[str, Any], Figures]:
+def name_in(scenario: Scenario | None) -> str:
+    """Return the name of the run of a scenario in a file."""
+    return "no run of this version" if scenario is None else run_id(scenario)
+
+
+def _read_summary(path: Path) -> tuple[Scenario | None, Figures]:
     with refusing(path), open_stream(path) as stream, naming_damage(), np.load(stream) as file:
         kept = dict(file)
         version, scenario, names, values = map(kept.pop, ("stream_version", "scenario", "names", "values"))
         figures = dict(zip(names.tolist(), values.tolist(), strict=True))
-        return dict(json.loads(str(scenario))) if version == STREAM_VERSION else {}, figures | kept
-
-
-def name_in(resolved: Mapping[str, Any], path: Path, seed: int | None = None) -> str:
-    """Return the name of a resolved scenario's run, or with another seed; empty if there is no scenario."""
-    try:
-        return name_of(resolved, resolved["run"]["seed"] if seed is None else seed) if resolved else ""
-    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as problem:
-        raise RunFileRefused(f"{path}: the scenario in the file is not valid") from problem
+    known = stored(str(scenario), f"{path}: the scenario in the file") if version == STREAM_VERSION else None
+    return known, figures | kept
 
 
 # The index.
@@ -270,11 +266,11 @@ def known_runs(root: Path, sweep: Sweep) -> tuple[dict[str, Figures], dict[str, 
         index = read_index(root / INDEX)
     except (OSError, RunFileRefused):
         return {}, {}, 0
-    for run_id, figures in figures_in(index, sweep.keep):
+    for name, figures in figures_in(index, sweep.keep):
         with suppress(OSError):
-            about = file_of(root, run_id, sweep.keep).stat()
+            about = file_of(root, name, sweep.keep).stat()
             if max(about.st_mtime_ns, about.st_ctime_ns) <= written:
-                found[run_id] = figures
+                found[name] = figures
     columns = [index.runs[name].values.tolist() for name in ("run_id", "state", "reason")]
     failed = {name: reason for name, state, reason in zip(*columns, strict=True) if state == FAILED}
     return found, failed, 1 + int(index.runs["replicate"].values.max(initial=-1))
@@ -285,9 +281,9 @@ def figures_in(index: Index, keep: Keep) -> Iterator[tuple[str, Figures]]:
     names = [name for name in index.runs if name not in {*ABOUT, *index.keys}]
     figures = np.array([index.runs[name].values for name in names]).T.tolist()
     columns = [index.runs[name].values.tolist() for name in ("run_id", "point", "replicate", "file", "state")]
-    for row, (run_id, point, replicate, file, state) in enumerate(zip(*columns, strict=True)):
+    for row, (run_name, point, replicate, file, state) in enumerate(zip(*columns, strict=True)):
         if state == DONE and bool(file) == (keep == "runs"):
             of_run = {name: values[row] for name, values in index.summaries.items() if name in CURVES}
             of_point = {name: values[point] for name, values in index.summaries.items() if name not in CURVES}
             arrays = of_run if replicate else of_run | of_point
-            yield run_id, dict(zip(names, figures[row], strict=True)) | arrays
+            yield run_name, dict(zip(names, figures[row], strict=True)) | arrays

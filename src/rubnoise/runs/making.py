@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import join
-from typing import cast
 
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import attributes_of
@@ -15,8 +14,8 @@ from rubnoise.arrays import slices
 from rubnoise.record.reader import Attributes, MemoryRecord
 from rubnoise.record.sink import Extent, Sink, Tee
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.draws import Engine, extent
-from rubnoise.simulation.intervention import Intervention, name_of
+from rubnoise.simulation.draws import extent
+from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.linear import named_constants
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import simulate
@@ -67,17 +66,16 @@ def describe(
     scenario: Scenario,
     path: str | os.PathLike[str],
     command: Sequence[str],
-    intervene: Intervention | str | None = None,
+    intervention: str = "",
     known: Extent | None = None,
 ) -> RunDescription:
     """Return the description of a result that begins now; this counts its births, if its rows are not ``known``."""
     model, seed = scenario.model(), scenario.run.seed
-    name = intervene if isinstance(intervene, str) else "" if intervene is None else name_of(intervene)
     return RunDescription(
         title=scenario.title or Path(path).stem,
         extent=known or extent(model, seed),
         features=features_of(model),
-        compression="gzip" if scenario.output.compression == "gzip" else "none",
+        compression=scenario.output.compression,
         pulse=model.pulse,
         provenance={
             "scenario_toml": scenario.text,
@@ -89,7 +87,7 @@ def describe(
             "calibrated_diameter": model.calibrated_diameter,
             "propagator_constants": json.dumps(named_constants(model)),
             "command": join(command),
-            **({INTERVENTION: name} if name else {}),
+            **({INTERVENTION: intervention} if intervention else {}),
             "started": now(),
         },
     )
@@ -109,7 +107,7 @@ def play(
         seen.model,
         scenario.run.seed,
         Tee((writer, seen)),
-        engine=cast(Engine, scenario.run.engine),
+        engine=scenario.run.engine,
         observe=observe,
         intervene=intervene,
         watch=watch,

@@ -20,8 +20,8 @@ from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped
 from rubnoise.regular_file import INDEX
 from rubnoise.runs import executors
 from rubnoise.runs.executors import Failed
-from rubnoise.runs.folder import RUNS, Figures, file_of, found, index_of, known_runs, made, name_in, read
-from rubnoise.scenario.sweep import Case, Point, Sweep, points_of, run_id
+from rubnoise.runs.folder import RUNS, Figures, file_of, found, index_of, known_runs, made, read
+from rubnoise.scenario.sweep import Case, Point, Sweep, name_of, points_of, run_id
 from rubnoise.storage.forecast import check_sweep_space
 from rubnoise.storage.index import index_bytes
 from rubnoise.storage.layout import this_command
@@ -117,7 +117,8 @@ def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
     more = cache(lambda name: {point.run_id for point in points_of([cases[name]], len(others) + len(known))})
     for path in others:
         with suppress(RunFileRefused):
-            name = name_in(read(path)[0], path, seed)
+            scenario, _ = read(path)
+            name = "" if scenario is None else name_of(scenario.resolved(), seed)
             if name not in cases or path.stem not in more(name):
                 holds = f"holds the runs of another scenario, such as {RUNS}/{path.name}"
                 raise OutputRefused(f"{root}: {holds}; force=True leaves them beside the runs of this one")

@@ -38,7 +38,7 @@ from rubnoise.scenario.sweep import name_of
 from rubnoise.simulation.run import Ended, simulate
 from rubnoise.storage.format import seal_of
 from rubnoise.storage.index import read_index
-from rubnoise.storage.inventory import Inventory, expected_inventory
+from rubnoise.storage.inventory import expected_inventory
 from rubnoise.storage.layout import environment
 from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.output import PART
@@ -52,6 +52,7 @@ ORIGIN: Final = {"source", "scenario_toml", "software", "environment", "command"
 MEASURED, EXACT = 1e-9, 1e-6
 """Relative: measured figures are sums in any order, exact ones and errors come from quadratures."""
 
+MISSING: Final = "missing"
 LONGEST: Final = 160  # characters of a value that are shown
 _CONSTANT: Final = 2.0**-30
 """Standard deviation over mean below which a column is constant but for rounding, and has no shape."""
@@ -91,7 +92,7 @@ class Check:
     def compare(self, found: Mapping[str, object], expected: Mapping[str, object], *, where: str = "") -> None:
         """Compare values by name, of which neither side may lack one; ``where`` stands before the names."""
         for name in {**expected, **found}:
-            one, other = (each.get(name, "missing") for each in (found, expected))
+            one, other = (each.get(name, MISSING) for each in (found, expected))
             self.say(f"{where}{name}", found=one, expected=other)
 
     def differ(self, said: str, count: int = 1) -> None:
@@ -167,7 +168,7 @@ def _check_hashes(check: Check, run: RunFile) -> list[str]:
     damaged = run.damaged()
     check.compare(damaged, dict.fromkeys(damaged, "as it was written"))
     right = seal_of(run.attributes, run.summary, run.provenance)
-    check.say(f"/provenance {HASH}", found=run.seal or "missing", expected=right)
+    check.say(f"/provenance {HASH}", found=run.seal or MISSING, expected=right)
     return [place for place, found in damaged.items() if found == UNREADABLE]
 
 
@@ -179,22 +180,21 @@ def _check_description(structure: Check, attributes: Check, scenario: Scenario, 
     extent = {group: rows.get(group, 0) if count is None else count for group, count in known.items()}
     right = describe(scenario, run.path, (), str(run.provenance.get(INTERVENTION, "")), extent)
     right = right if scenario.title else replace(right, title=str(run.attributes["title"]))
-    both = found, expected = run.inventory(), expected_inventory(right)
-    structure.compare(*({path: words for (path, name), words in each.items() if not name} for each in both))
-    free = {key for key in found.keys() & expected.keys() if key[1] in ORIGIN}
-    free |= {key for key in found.keys() - expected.keys() if key[0] == "/summary"}  # a figure is one of rows
-    fixed = ({key: words for key, words in each.items() if key not in free} for each in both)
-    there = {path for path, _ in found} & {path for path, _ in expected}
-    one, other = (_attributes(each, there) for each in fixed)
-    for name in one.keys() & other.keys():
-        values = [each[name].rpartition(", ")[0] for each in (one, other)]
-        if values[0] != values[1]:  # types show where they alone differ
-            one[name], other[name] = values
-    attributes.compare(one, other)
+    found, expected = run.inventory(), expected_inventory(right)
+    for path, name in {**expected, **found}:
+        one, other = (each.get((path, name), MISSING) for each in (found, expected))
+        if not name:
+            structure.say(path, found=one, expected=other)
+        elif (path, "") in found.keys() & expected.keys() and not _is_free(path, name, one, other):
+            values = [words.rpartition(", ")[0] or words for words in (one, other)]
+            if values[0] != values[1]:  # types show where they alone differ
+                one, other = values
+            attributes.say(f"{path} {name}", found=one, expected=other)
 
 
-def _attributes(inventory: Inventory, paths: set[str]) -> dict[str, str]:
-    return {f"{path} {name}": words for (path, name), words in inventory.items() if name and path in paths}
+def _is_free(path: str, name: str, found: str, expected: str) -> bool:
+    """Whether no scenario says what an attribute should be: one of the origin, or a figure, one of the rows."""
+    return expected == MISSING if path == "/summary" else name in ORIGIN and MISSING not in (found, expected)
 
 
 class _BeyondFile(Exception):  # noqa: N818  (the file is wrong, not the program)
@@ -314,12 +314,11 @@ def verify_sweep(
                 names.differ(f"{place} is no file of a run")
                 continue
             try:
-                resolved, figures[path.stem], found = _verified(path)
-                name = name_in(resolved, path) or "no run of this version"
+                scenario, figures[path.stem], found = _verified(path)
             except RunFileRefused as refusal:
                 runs.differ(f"{place} {str(refusal).removeprefix(f'{path}: ')[:LONGEST]}")
                 continue
-            names.say(place, found=f"the result of {name}", expected=f"the result of {path.stem}")
+            names.say(place, found=f"the result of {name_in(scenario)}", expected=f"the result of {path.stem}")
             runs.values += found.values
             incomplete.update(found.left_out.items())
             for check in found.different:
@@ -327,17 +326,15 @@ def verify_sweep(
         return _verification(checks, *_left_out(root, incomplete), *_compare_index(index, root, figures))
 
 
-def _verified(path: Path) -> tuple[Mapping[str, Any], Figures, Verification]:
+def _verified(path: Path) -> tuple[Scenario | None, Figures, Verification]:
     """Return scenario and figures in the file of a run, and its verification; a summary alone is made again."""
     if path.suffix == SUFFIXES["runs"]:
         with open_run(path) as run:
             return scenario_in(run), numbers_in(run.summary), verify(run)
-    (resolved, kept), check = read(path), Check("summary")
-    found = dict(kept or {})
-    if resolved:
-        scenario = stored(resolved, f"{path}: the scenario in the file")
+    (scenario, found), check = read(path), Check("summary")
+    if scenario is not None:
         check.compare(_told(found), _told(summarised(scenario, first="spectrum_place" in found)))
-    return resolved, found, _verification([check])
+    return scenario, found, _verification([check])
 
 
 def _told(figures: Figures) -> dict[str, str]:
@@ -366,7 +363,7 @@ def _compare_index(check: Check, root: Path, kept: Mapping[str, Figures]) -> Ite
     try:
         index = read_index(root / INDEX)
     except RunFileRefused as refusal:
-        missing = "missing" if not (root / INDEX).exists() else str(refusal).removeprefix(f"{root / INDEX}: ")
+        missing = MISSING if not (root / INDEX).exists() else str(refusal).removeprefix(f"{root / INDEX}: ")
         check.say(INDEX, found=missing, expected="the index; the same sweep writes it again")
         return
     names, points, seeds, states = (index.runs[name].values.tolist() for name in ("run_id", "point", "seed", "state"))
@@ -379,7 +376,7 @@ def _compare_index(check: Check, root: Path, kept: Mapping[str, Figures]) -> Ite
         check.say(place, found=name_of(scenarios[point], seed), expected=name)
     files = any(index.runs["file"].values) or not kept
     for name, figures in figures_in(index, "runs" if files else "summary"):
-        check.say(f"{INDEX} {RUNS}/{name}", found=DONE if name in kept else "missing", expected=DONE)
+        check.say(f"{INDEX} {RUNS}/{name}", found=DONE if name in kept else MISSING, expected=DONE)
         right = kept.get(name, figures)
         lacking = dict.fromkeys([*figures, *right], nan)  # as an index has what a run lacks
         one, other = (_told({**lacking, **each}) for each in (figures, right))

@@ -23,7 +23,7 @@ COARSE = 0.3  # turn of the contact resonance in a tick, in rad, beyond which th
 
 
 def modelled(
-    document: Document, layers: Layers, wrong: Collection[str] = ()
+    document: Document, layers: Layers, wrong: Collection[str]
 ) -> tuple[Model | None, Quantity | None, list[Problem]]:
     """Return the model and its tick, None if there is none; and all problems that can be seen in it.
 

@@ -260,7 +260,7 @@ class Output(Section):
     """
 
     tick: Quantity | None = key(Measure((LENGTH,), Range(1e-9, 1e12), Range(1e-6, 1e6)), sample="0.1 um")
-    compression: str = key(Choice(("none", "gzip")), "none")
+    compression: Literal["none", "gzip"] = key(Choice(("none", "gzip")), "none")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -272,7 +272,7 @@ class Run(Section):
     """
 
     seed: int = key(Number(Range(0, SEED_LIMIT - 1), whole=True), 1)
-    engine: str = key(Choice(("events", "batch")), "events")
+    engine: Literal["events", "batch"] = key(Choice(("events", "batch")), "events")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -176,7 +176,7 @@ def in_full(changes: Sequence[str]) -> tuple[str, ...]:
     full, known = list[str](), {key for kind in SECTIONS.values() for key in keys_of(kind)} - {*TOP, *SECTIONS}
     for change in changes:
         name, equals, value = change.partition("=")
-        named = equals and name.strip() in known and not isinstance(change, layers.OptionOverride)
+        named = equals and name.strip() in known
         full.append(f"{'.'.join(place_of(name.strip(), {}, f'--set {name}', value))}={value}" if named else change)
     return tuple(full)
 

@@ -73,10 +73,6 @@ class Scenario(sections.Document):
             raise ScenarioRefused(f'replace: {changes!r:.40}: keys and values are needed, as in {{"run.seed": 3}}')
         return replaced(self, {**(changes or {}), **keys})
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return every key with its value, also defaults; `rubnoise.build` makes the same scenario from it."""
-        return self.resolved()
-
     def to_toml(self) -> str:
         """Return the scenario as the text of a file with every key, which reads back to the same bits.
 
@@ -114,7 +110,7 @@ class Scenario(sections.Document):
     def resolved(self) -> dict[str, Any]:
         """Return every key with its value, also defaults, as a table of texts, numbers and tables that JSON can hold.
 
-        Quantities are written in working units in full; read again, it is the same scenario to the last bit.
+        Quantities are written in working units in full; `rubnoise.build` makes the same scenario of it to the last bit.
         """
         tables = {
             name: {
@@ -130,6 +126,8 @@ class Scenario(sections.Document):
             if isinstance(section := getattr(self, name, None), Section)
         }
         return {"format": sections.FORMAT, "title": self.title, **tables}
+
+    to_dict = resolved
 
     def __repr__(self) -> str:
         tables = {name: table for name, table in self.resolved().items() if isinstance(table, Mapping)}

@@ -317,11 +317,9 @@ def load_sweep(path: str | os.PathLike[str], overrides: Sequence[str] = (), read
     return _checked(layers.from_file(path, overrides), read)
 
 
-def loads_sweep(
-    text: str, name: str = "<string>", overrides: Sequence[str] = (), read: ReadSizes | None = None
-) -> Sweep:
+def loads_sweep(text: str, name: str = "<string>", read: ReadSizes | None = None) -> Sweep:
     """Return the sweep of a TOML text, which cannot extend a file; raises ScenarioRefused."""
-    return _checked(layers.from_text(text, name, overrides), read)
+    return _checked(layers.from_text(text, name), read)
 
 
 def load_either(

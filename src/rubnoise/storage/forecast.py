@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from math import ceil, floor
 from mmap import PAGESIZE
 from pathlib import Path
-from typing import Final, cast
+from typing import Final
 
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent, extent_of
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.draws import PROGRAM_BYTES, Engine, extent, working_bytes
+from rubnoise.simulation.draws import PROGRAM_BYTES, extent, working_bytes
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.output import part_of
 from rubnoise.theory.moments import expected_junction_rows, force_cumulants
@@ -86,7 +86,7 @@ def _budget(scenario: Scenario, rows: Extent) -> Budget:
         ticks=model.tick_count + 1,
         result_bytes=size,
         disk_bytes=size + beside,
-        working_bytes=working_bytes(model, cast(Engine, scenario.run.engine)),
+        working_bytes=working_bytes(model, scenario.run.engine),
         slider_rows_at_most=most["slider"] if model.is_two_way else None,
     )
 

@@ -7,7 +7,7 @@ another file takes the name meanwhile, an open run shows the rows of the old one
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from mmap import ACCESS_COPY, ALLOCATIONGRANULARITY, mmap
 from pathlib import Path
 from typing import Any, Final, Self
@@ -28,7 +28,6 @@ SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
 READ_BYTES: Final = 64 * 1024**2  # longer columns are mapped: the system then reads the rows that are used
 UNREADABLE: Final = "unreadable"
-CHANGED: Final = "not what its hash was taken of"
 
 Watch = Callable[[str, int, int], None]
 """Called at each read with the path of the column, the row up to which is read, and how many rows there are."""
@@ -133,20 +132,19 @@ class RunFile:
         raise RunFileRefused(f"cut short; {objects.REMEDY}")
 
     def damaged(self) -> dict[str, str]:
-        """Return what is wrong with columns by their paths: UNREADABLE, or CHANGED; reads the whole file."""
-        found = {}
+        """Return what is wrong with columns by their paths, such as UNREADABLE; reads the whole file."""
+        found = dict[str, str]()
         for group, name in ((group, name) for group, names in self.columns.items() for name in names):
-            digest = xxhash.xxh3_128()
-            try:
+            place, digest = f"/{group}/{name}", xxhash.xxh3_128()
+            found[place] = UNREADABLE
+            with suppress(RunFileRefused):
                 for values in column_chunks(self, group, name):
                     digest.update(values.data)
+                found[place] = "beside a damaged hash"
                 with objects.naming_damage():
                     right = objects.stored_hash(self._columns[group][name])
-                if digest.hexdigest() != right:
-                    found[f"/{group}/{name}"] = CHANGED
-            except RunFileRefused:
-                found[f"/{group}/{name}"] = UNREADABLE
-        return found
+                found[place] = "" if digest.hexdigest() == right else "not what its hash was taken of"
+        return {place: damage for place, damage in found.items() if damage}
 
     def inventory(self) -> inventory.Inventory:
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
