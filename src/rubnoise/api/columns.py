@@ -1,18 +1,14 @@
 """Columns: numpy arrays that know their name, unit and meaning."""
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from rubnoise.arrays import CHUNK_ROWS, slices
+from rubnoise.figures import Axes, Figure
 from rubnoise.storage.schema import Dataset
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 SHOWN_WHOLE = 4  # rows of a column that are all shown; of a longer one, the first three and the last
 Place = Callable[[], "Column"]  # returns the column over which another one is drawn

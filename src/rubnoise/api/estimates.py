@@ -11,12 +11,11 @@ from rubnoise.analysis.spectra import SEGMENTS, welch
 from rubnoise.api.column_group import SHORT, Table
 from rubnoise.api.columns import Column, with_units
 from rubnoise.errors import Refused, advised, did_you_mean
+from rubnoise.figures import Figure
 from rubnoise.real_numbers import number_in
 from rubnoise.units import LENGTH, TIME
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from rubnoise.api.run import Run
 
 SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(

@@ -1,19 +1,15 @@
 """One junction of a run."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.life import JunctionRow
+from rubnoise.figures import Axes, Figure
 from rubnoise.real_numbers import at_each
 from rubnoise.storage import schema
 from rubnoise.tables import as_html
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,7 +12,7 @@ from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
 from rubnoise.api.trace import Trace
 from rubnoise.errors import Refused, advised, did_you_mean, naming
-from rubnoise.figures import Kind, style
+from rubnoise.figures import Axes, Figure, Kind, style
 from rubnoise.figures.catalogue import AS_IT_IS, HEARD, OVERLAID, PICTURES, Appearance, drawing
 from rubnoise.figures.style import NARROW, STYLES
 from rubnoise.figures.tracks import Stretch
@@ -21,9 +21,6 @@ from rubnoise.regular_file import is_hdf5
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from rubnoise.api.run import Run
 
 AREA: Final = "area"
@@ -61,7 +58,7 @@ def picture_named(what: Any) -> Kind:
 def drawn(
     run: "Run",
     what: Any,
-    ax: "Axes | None" = None,
+    ax: Axes | None = None,
     *,
     start: Any = None,
     stop: Any = None,
@@ -69,7 +66,7 @@ def drawn(
     beside: "Run | Trace | str | os.PathLike[str] | None" = None,
     look: Appearance = AS_IT_IS,
     names: tuple[str, str] = ("of", "beside"),
-) -> "Figure":
+) -> Figure:
     """Draw a picture of a run and return its figure (see Run.plot); ``names`` are the caller's for ``of``, ``beside``.
 
     Raises Refused for what does not go together.
@@ -155,8 +152,8 @@ def _in_inches(size: str) -> tuple[float, float]:
 
 
 def drawn_columns(
-    place: tuple[Any, str], curves: Sequence[tuple[Any, str]], ax: "Axes | None" = None, *, logarithmic: bool = False
-) -> "Figure":
+    place: tuple[Any, str], curves: Sequence[tuple[Any, str]], ax: Axes | None = None, *, logarithmic: bool = False
+) -> Figure:
     """Draw columns over their place, one below the other, each with its label, and return the figure.
 
     A column may be several by name, "estimated" and "exact". With ``ax`` one is drawn into these axes.
@@ -166,7 +163,7 @@ def drawn_columns(
             figure = style.new_figure(7.0, 1.2 + 1.8 * len(curves))
             panes = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
         else:
-            figure, panes = cast("Figure", ax.figure), np.array([ax])
+            figure, panes = cast(Figure, ax.figure), np.array([ax])
         for axes, (values, label) in zip(panes, curves, strict=True):
             for name, each in (values if isinstance(values, Mapping) else {"": values}).items():
                 colour = style.VERMILION if name == "exact" else style.BLUE

@@ -22,6 +22,7 @@ from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import refuse_unknown, shown
 from rubnoise.api.notebook import Displayed, Overview
 from rubnoise.errors import Refused, RunFileRefused, needing
+from rubnoise.figures import Axes, Figure
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
@@ -30,8 +31,6 @@ from rubnoise.storage.reader import RunFile, calculating, open_run
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
     import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from rubnoise.analysis.findings import Comparison
     from rubnoise.api.estimates import PowerSpectrum

@@ -14,12 +14,10 @@ import rubnoise
 from rubnoise.answer import printable
 from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
 from rubnoise.errors import naming, refusing_files
-from rubnoise.figures import Kind, Style
+from rubnoise.figures import Figure, Kind, Style
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.style import Format
 
@@ -178,7 +176,7 @@ def check_picture(path: Path, *, force: bool, reads: Sequence[Path] = ()) -> "Fo
     return kind
 
 
-def write_picture(path: Path, draw: "Callable[[], Figure]", *, force: bool, style: Style = "screen") -> None:
+def write_picture(path: Path, draw: Callable[[], Figure], *, force: bool, style: Style = "screen") -> None:
     """Draw a picture, write it whole or not at all in the format of its file's ending, and print its name."""
     from rubnoise.figures.style import drawn
     from rubnoise.storage.output import whole_file

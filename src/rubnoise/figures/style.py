@@ -15,12 +15,10 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from rubnoise.errors import Refused, needing
-from rubnoise.figures import Style
+from rubnoise.figures import Axes, Figure, Style
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.axis import Axis
-    from matplotlib.figure import Figure
 
     from rubnoise.model import Model
 
@@ -69,7 +67,7 @@ SETTINGS: Final[dict[str, Any]] = {
 }
 
 
-def new_figure(width: float, height: float) -> "Figure":
+def new_figure(width: float, height: float) -> Figure:
     """Return an empty figure of a size in inches, laid out so that nothing is cut off.
 
     To be called, and drawn on, within ``house_style()``. Raises ExtraMissing without matplotlib.
@@ -142,7 +140,7 @@ def house_style(style: Style = "screen") -> Iterator[None]:
         yield
 
 
-def as_bytes(figure: "Figure", kind: Format = "png") -> bytes:
+def as_bytes(figure: Figure, kind: Format = "png") -> bytes:
     """Return a figure as the bytes of a png, pdf or svg file, the same for the same figure on any day."""
     stream = BytesIO()
     with warnings.catch_warnings():
@@ -152,7 +150,7 @@ def as_bytes(figure: "Figure", kind: Format = "png") -> bytes:
     return stream.getvalue()
 
 
-def drawn(draw: Callable[..., "Figure"], *of: Any, kind: Format = "png", style: Style = "screen", **how: Any) -> bytes:
+def drawn(draw: Callable[..., Figure], *of: Any, kind: Format = "png", style: Style = "screen", **how: Any) -> bytes:
     """Return what a function draws, in the house style, as the bytes of a file."""
     with house_style(style):
         return as_bytes(draw(*of, **how), kind)
@@ -195,7 +193,7 @@ USUAL_WIDTH: Final = 0.775  # share of a figure's width that matplotlib gives a 
 NEAREST: Final = 1e-6  # span of values over the values themselves below which nothing but rounding is seen
 
 
-def put_title(figure: "Figure", *texts: str) -> None:
+def put_title(figure: Figure, *texts: str) -> None:
     """Put lines of a title over a figure; one that is wider than the figure is broken."""
     figure.suptitle("\n".join(texts), x=0.01, ha="left", wrap=True)
 
@@ -211,7 +209,7 @@ def one_line(text: str) -> str:
     return "".join(character if character.isprintable() else " " for character in text).strip()
 
 
-def exact_band(axes: "Axes", mean: float, std: float) -> None:
+def exact_band(axes: Axes, mean: float, std: float) -> None:
     """Mark an exact mean by a line, and a standard deviation about it by a band."""
     axes.axhspan(mean - std, mean + std, color=VERMILION, alpha=0.12, lw=0.0, zorder=0, label="exact mean ± std")
     # Over the curve, since a crowded one would hide the band.
@@ -220,7 +218,7 @@ def exact_band(axes: "Axes", mean: float, std: float) -> None:
         axes.axhline(edge, color=VERMILION, lw=0.7, ls=(0, (5, 4)), zorder=4)
 
 
-def add_legends(panes: Iterable["Axes"]) -> None:
+def add_legends(panes: Iterable[Axes]) -> None:
     """Put a legend above each pane, flush right, where it hides nothing; what a pane before explains is left out.
 
     It has as many columns as the width of its pane has room for.
@@ -247,7 +245,7 @@ _WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
 _FEWEST: Final = 8  # characters of a line, however little room there is
 
 
-def fit_labels(figure: "Figure") -> None:
+def fit_labels(figure: Figure) -> None:
     """Break labels and entries of legends that are longer than their room, and thin out ticks."""
     for _ in range(_ROUNDS):
         with warnings.catch_warnings():
@@ -259,7 +257,7 @@ def fit_labels(figure: "Figure") -> None:
             _fit_pane(axes, box, figure.bbox.width / beside)
 
 
-def _fit_pane(axes: "Axes", box: Any, width: float) -> None:
+def _fit_pane(axes: Axes, box: Any, width: float) -> None:
     """Fit the texts of a pane into its box and a part of the figure's width, in dots."""
     from matplotlib.ticker import MaxNLocator
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from html import escape
 from io import BytesIO
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import ExtraMissing, Refused
 from rubnoise.figure_names import STATES
-from rubnoise.figures import Kind
+from rubnoise.figures import Figure, Kind
 from rubnoise.figures.catalogue import drawing, sweep_drawing
 from rubnoise.figures.fits import contact_figure
 from rubnoise.figures.study import key_label, quantities_of, quantity_words
@@ -30,9 +30,6 @@ from rubnoise.storage.sound import write_wave
 from rubnoise.surface.sliding import SlidingContact
 from rubnoise.tables import as_html
 from rubnoise.web_page import coded, report_page
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 CAPTIONS: Final[dict[Kind, str]] = {
     "trace": "Real contact area over the sliding distance, at the beginning of the run.",
@@ -104,7 +101,7 @@ def _as_it_is(text: str) -> str:
     return f"<pre>{escape(text)}</pre>"
 
 
-def _picture(caption: str, draw: "Callable[..., Figure]", *of: Any, **how: Any) -> str:
+def _picture(caption: str, draw: Callable[..., Figure], *of: Any, **how: Any) -> str:
     """Return what a function draws, with a caption; nothing of a run that does not have it."""
     try:
         content = drawn(draw, *of, **how)
