@@ -123,14 +123,16 @@ LAYER_SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
 """Pale blues of neighbouring layers."""
 
 
-def draw_layers(axes: Axes, place: Doubles, areas: Doubles, marked: int) -> None:
+def draw_layers(
+    axes: Axes, place: Doubles, areas: Doubles, marked: int, words: str = "their sum, the simulated area"
+) -> None:
     """Draw areas, a row for each junction, as layers with their sum on top; one of them is black."""
     base = np.zeros(place.size)
     for number, row in enumerate(areas):
         alive, shade = row > 0.0, INK if number == marked else LAYER_SHADES[number % len(LAYER_SHADES)]
         axes.fill_between(place[alive], base[alive], (base + row)[alive], color=shade, lw=0.0, rasterized=True)
         base = base + row
-    axes.plot(place, areas.sum(axis=0), color=BLUE, lw=1.6, label="their sum, the simulated area")
+    axes.plot(place, areas.sum(axis=0), color=BLUE, lw=1.6, label=words)
     axes.set_xlim(place[0], place[-1])
     axes.set_ylim(bottom=0.0)
 

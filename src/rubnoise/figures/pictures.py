@@ -107,13 +107,21 @@ LAYER_LIVES, MOST_DRAWN, DEFAULT_DRAWN = 4.0, 2000, 400
 MARGIN: Final = 0.1  # how far a picture of one life goes beyond it, in lengths of the life
 
 
-def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighbours]:
-    """Return the stretch that a picture of single lives shows, and these; raises Refused for too many of them."""
+def _single(stretch: Stretch, life: Life | None = None, *, touches: bool = False) -> tuple[Stretch, Neighbours]:
+    """Return the stretch that a picture of single lives shows, or one life, and its lives: beside one the nearest.
+
+    Raises Refused for too many of them.
+    """
     model = stretch.model
     births = max(DEFAULT_DRAWN - model.mean_junction_count, 0.1 * model.mean_junction_count)
     width = min(LAYER_LIVES * model.mean_life_distance, births * model.mean_birth_spacing)
     shown = stretch.narrowed(width if stretch.has_theory else 40.0 * model.mean_life_distance)
+    if life is not None:
+        shown = stretch.about(life.birth_distance, life.death_distance, MARGIN)
     alive = neighbours(stretch.file, shown.start, shown.stop, touches=touches)
+    if life is not None:
+        apart = np.abs(alive.birth + alive.death - life.birth_distance - life.death_distance)
+        return shown, alive.chosen(np.sort(np.argsort(apart, kind="stable")[:MOST_DRAWN]))
     if alive.rows.size > MOST_DRAWN:
         raise Refused(
             f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
@@ -127,15 +135,18 @@ def draw_lives(figure: Figure, stretch: Stretch, life: Life | None = None) -> st
 
     The largest is black; or, of one ``life``, that junction, and the stretch is as much of its life as the run has.
     """
-    shown, alive = _single(stretch if life is None else stretch.about(life.birth_distance, life.death_distance, MARGIN))
+    shown, alive = _single(stretch, life)
     lives = (shown.stop - shown.start) / shown.model.mean_life_distance
     place = np.linspace(shown.start, shown.stop, int(min(max(800.0, 40.0 * lives), 4000.0)))
     areas, law, peak = alive.areas(place), area_cumulants(shown.model), 0.25 * np.pi * shown.model.sizes.moment(2)
     tallest = areas.max(axis=1, initial=0.0)
     marked = int(np.argmax(np.append(tallest, 0.0) if life is None else alive.rows == life.number))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
-    style.exact_band(above, law.mean, law.std)
-    panes.draw_layers(above, place, areas, marked)
+    if alive.rows.size < MOST_DRAWN:
+        style.exact_band(above, law.mean, law.std)
+        panes.draw_layers(above, place, areas, marked)
+    else:
+        panes.draw_layers(above, place, areas, marked, f"sum of the {MOST_DRAWN:,} nearest in time")
     above.set_ylabel(style.AREA)
     below.plot(place, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.6)
     if tallest.size:
