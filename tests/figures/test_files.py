@@ -74,7 +74,7 @@ def _model(values: dict[str, Any]) -> Model:
 @pytest.mark.slow
 @pytest.mark.parametrize("values", EVERY.values(), ids=EVERY)
 def test_every_contact_has_a_picture_with_nothing_cut_off(values: dict[str, Any]) -> None:
-    png = style.drawn(theory_figure, _model(values), "a contact")
+    png = as_bytes(theory_figure(_model(values), "a contact"))
     pixels = np.asarray(matplotlib.image.imread(BytesIO(png)))[:, :, :3]
     border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
     assert np.all(border == 1.0)

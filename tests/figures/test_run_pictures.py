@@ -66,13 +66,13 @@ PALE = {"histogram", "sizes", "life_distances", "gaps", "contact"}
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in PICTURES if name not in {"landmarks", "load"}])
 def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name: Any) -> None:
-    png = style.drawn(drawing, name, full)
+    png = style.as_bytes(drawing(name, full))
     pixels = _pixels(png)
     border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
     assert np.all(border == 1.0)
     assert name in WITHOUT_THEORY or _of_colour(pixels, style.VERMILION) > 200
     assert name in PALE or _of_colour(pixels, style.BLUE) > 200
-    assert style.drawn(drawing, name, full) == png
+    assert style.as_bytes(drawing(name, full)) == png
 
 
 def test_the_junction_at_a_glance_is_of_about_the_mean_size(full: Stretch) -> None:

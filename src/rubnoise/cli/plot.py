@@ -1,10 +1,9 @@
 """`rubnoise plot`: pictures of a run or of a sweep, simulation and theory in each."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from enum import StrEnum
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -14,7 +13,7 @@ import rubnoise
 from rubnoise.answer import printable
 from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
 from rubnoise.errors import naming, refusing_files
-from rubnoise.figures import Figure, Kind, Style
+from rubnoise.figures import Figure, Kind
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
@@ -135,8 +134,8 @@ def _plot_run(
         if beside is not None:
             is_record = beside.suffix.lower() in RECORDS
             other = Trace(beside) if is_record else opened.enter_context(rubnoise.open(beside))
-        draw = partial(drawn, Run(run), what, beside=other, names=("--of", f"--with {beside}"), **how)
-        write_picture(path, draw, force=force, style=how["look"].style)
+        figure = drawn(Run(run), what, beside=other, names=("--of", f"--with {beside}"), **how)
+        write_picture(path, figure, force=force)
 
 
 def _plot_sweep(folder: Path, what: str | None, output: Path | None, look: "Appearance", *, force: bool) -> None:
@@ -148,7 +147,7 @@ def _plot_sweep(folder: Path, what: str | None, output: Path | None, look: "Appe
         check_picture(path, force=force)
         with naming(folder):
             figure = sweep_drawing(sweep.index, sweep.name, shown, look=look)
-    write_picture(path, lambda: figure, force=force, style=look.style)
+    write_picture(path, figure, force=force)
 
 
 def distance(option: str, text: str | None) -> float | None:
@@ -176,12 +175,12 @@ def check_picture(path: Path, *, force: bool, reads: Sequence[Path] = ()) -> "Fo
     return kind
 
 
-def write_picture(path: Path, draw: Callable[[], Figure], *, force: bool, style: Style = "screen") -> None:
-    """Draw a picture, write it whole or not at all in the format of its file's ending, and print its name."""
-    from rubnoise.figures.style import drawn
+def write_picture(path: Path, figure: Figure, *, force: bool) -> None:
+    """Write a picture, whole or not at all in the format of its file's ending, and print its name."""
+    from rubnoise.figures.style import as_bytes
     from rubnoise.storage.output import whole_file
 
-    picture = drawn(draw, kind=check_picture(path, force=force), style=style)
+    picture = as_bytes(figure, check_picture(path, force=force))
     with whole_file(path, force=force) as part:
         part.write_bytes(picture)
     print(path)

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.figures import Axes, Figure
-from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, drawn, house_style, logarithmic, new_figure
+from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, as_bytes, house_style, logarithmic, new_figure
 from rubnoise.inference.estimates import NAMES
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.inference.signal import autocovariance as sample_autocovariance
@@ -119,7 +119,7 @@ _MOST = 1 << 20  # samples of an autocorrelation
 
 def fit_page(found: InferenceResult, name: str, text: str) -> str:
     """Return a page of HTML, in the style of a run's report: estimates, five pictures, tests, the command's texts."""
-    picture = drawn(fit_figure, found, kind="svg").decode("utf-8")
+    picture = as_bytes(fit_figure(found), "svg").decode("utf-8")
     picture = picture[picture.index("<svg") :]
     estimates = [
         (key.replace("_", " "), f"{each.value:.4g}", "{:.4g} to {:.4g}".format(*each.interval), each.unit.strip("1"))

@@ -4,7 +4,7 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 """
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from io import BytesIO
@@ -68,14 +68,16 @@ SETTINGS: Final[dict[str, Any]] = {
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Return an empty figure of a size in inches, laid out so that nothing is cut off.
+    """Return an empty figure of a size in inches, laid out so that nothing is cut off; it keeps its style.
 
     To be called, and drawn on, within ``house_style()``. Raises ExtraMissing without matplotlib.
     """
     # Not through pyplot: it would look for a screen and keep every figure of the process.
+    from matplotlib import rcParams
     from matplotlib.figure import Figure
 
-    shown_in_notebooks: Any = type("Figure", (Figure,), {"_repr_png_": as_bytes, "__doc__": Figure.__doc__})
+    more = {"_repr_png_": as_bytes, "house": rcParams.copy(), "__doc__": Figure.__doc__}
+    shown_in_notebooks: Any = type("Figure", (Figure,), more)
     figure: Figure = shown_in_notebooks(figsize=(width, height), layout="constrained")
     return figure
 
@@ -140,20 +142,16 @@ def house_style(style: Style = "screen") -> Iterator[None]:
         yield
 
 
-def as_bytes(figure: Figure, kind: Format = "png") -> bytes:
-    """Return a figure as the bytes of a png, pdf or svg file, the same for the same figure on any day."""
+def as_bytes(figure: Any, kind: Format = "png") -> bytes:
+    """Return a figure of ours as the bytes of a png, pdf or svg file, the same for the same figure on any day."""
+    from matplotlib import rc_context
+
     stream = BytesIO()
-    with warnings.catch_warnings():
+    with rc_context(figure.house), warnings.catch_warnings():
         # A title in a script that the font lacks is drawn as boxes, which is no reason for a warning on the terminal.
         warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
         figure.savefig(stream, format=kind, dpi=DOTS_PER_INCH, metadata=_WITHOUT_ORIGIN[kind])
     return stream.getvalue()
-
-
-def drawn(draw: Callable[..., Figure], *of: Any, kind: Format = "png", style: Style = "screen", **how: Any) -> bytes:
-    """Return what a function draws, in the house style, as the bytes of a file."""
-    with house_style(style):
-        return as_bytes(draw(*of, **how), kind)
 
 
 def logarithmic(*several: "Axis") -> None:

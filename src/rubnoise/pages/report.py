@@ -20,7 +20,7 @@ from rubnoise.figures import Figure, Kind
 from rubnoise.figures.catalogue import drawing, sweep_drawing
 from rubnoise.figures.fits import contact_figure
 from rubnoise.figures.study import key_label, quantities_of, quantity_words
-from rubnoise.figures.style import drawn
+from rubnoise.figures.style import as_bytes
 from rubnoise.figures.tracks import Stretch
 from rubnoise.pages.report_words import in_words
 from rubnoise.record.reader import Reader
@@ -104,7 +104,7 @@ def _as_it_is(text: str) -> str:
 def _picture(caption: str, draw: Callable[..., Figure], *of: Any, **how: Any) -> str:
     """Return what a function draws, with a caption; nothing of a run that does not have it."""
     try:
-        content = drawn(draw, *of, **how)
+        content = as_bytes(draw(*of, **how))
     except ExtraMissing:
         raise
     except Refused:
