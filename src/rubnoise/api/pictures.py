@@ -2,11 +2,13 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
 import numpy as np
 
+import rubnoise
 from rubnoise.analysis.sound import Heard
 from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
@@ -75,30 +77,22 @@ def drawn(
     kind, heard, other, measured = picture_named(usual if what is None else what), heard_of(of), None, None
     if heard is not None and kind not in HEARD:
         raise Refused(f"{names[0]} is for psd and histogram, not for {kind}")
-    if not (beside is None or isinstance(beside, Trace) or hasattr(beside, "reader")):
-        beside = _measurement(beside, whole=kind != "psd" or heard is not None)
-    if isinstance(beside, Trace):
-        if kind != "psd":
-            raise Refused(f"{names[1]}: a record of yours is for psd, not for {kind}")
-        measured = measured_spectrum(beside, heard)
-    elif beside is not None:
-        if kind not in OVERLAID and not (kind == "psd" and heard):
-            raise Refused(f"{names[1]}: another run is for slider, phase, load, and psd of anything but the area")
-        with naming(names[1]):
-            other = Stretch.of(beside.reader())
     ends = {"start=": start, "stop=": stop}
     first, last = (None if end is None else number_in(end, name, LENGTH) for name, end in ends.items())
     stretch = Stretch.of(run.reader(), first, last)
-    return drawing(kind, stretch, heard=heard, beside=other, measured=measured, look=look, ax=ax)
-
-
-def _measurement(path: Any, *, whole: bool) -> Trace:
-    """Read a trace to draw beside a spectrum; raises Refused for a result if the picture needs the ``whole`` run."""
-    if isinstance(path, str | os.PathLike) and is_hdf5(path):
-        opened = f'rubnoise.open("{os.fspath(path)}")'
-        right = opened if whole else f"rubnoise.Trace({opened})"
-        raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")
-    return Trace(path)
+    with ExitStack() as opened:
+        if isinstance(beside, str | os.PathLike) and (is_hdf5(beside) or os.fspath(beside).endswith(".h5")):
+            beside = opened.enter_context(rubnoise.open(beside))
+        if isinstance(beside, rubnoise.Run):
+            if kind not in OVERLAID:
+                raise Refused(f"{names[1]}: another run is for slider, phase, load and psd, not for {kind}")
+            with naming(names[1]):
+                other = Stretch.of(beside.reader())
+        elif beside is not None:
+            if kind != "psd":
+                raise Refused(f"{names[1]}: a record of yours is for psd, not for {kind}")
+            measured = measured_spectrum(beside if isinstance(beside, Trace) else Trace(beside), heard)
+        return drawing(kind, stretch, heard=heard, beside=other, measured=measured, look=look, ax=ax)
 
 
 def heard_of(of: str) -> Heard | None:

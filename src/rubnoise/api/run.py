@@ -252,12 +252,12 @@ class Run(Displayed):
 
         ``what`` is a name as for `rubnoise plot`; without it "overview", or "load" of a slider that moves freely.
         ``start`` and ``stop`` are sliding distances in um ("contact" is from above, at ``start``). ``of`` is whose
-        spectrum "psd" shows: "area", "force", "displacement" or "velocity". ``beside`` is another run, for "slider",
-        "phase" and spectra in Hz, or for "psd" a `Trace` or its file. With ``ax`` it takes the place of these axes, and
-        the whole figure is returned. ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of a journal;
-        ``title`` is whether axes have titles; ``style`` is "screen", "paper" (small letters and thin lines, the default
-        below 120 mm) or "slides". Raises Refused for a picture that the run does not have, ExtraMissing without
-        matplotlib.
+        spectrum "psd" shows: "area", "force", "displacement" or "velocity". ``beside`` is another run or its file, for
+        "slider", "phase", "load" and "psd", or for "psd" a `Trace` or its file. With ``ax`` it takes the place of these
+        axes, and the whole figure is returned. ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of
+        a journal; ``title`` is whether axes have titles; ``style`` is "screen", "paper" (small letters and thin lines,
+        the default below 120 mm) or "slides". Raises Refused for a picture that the run does not have, ExtraMissing
+        without matplotlib.
 
         >>> import rubnoise
         >>> with rubnoise.open("fig5.h5") as run:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from contextlib import ExitStack
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
@@ -25,8 +24,6 @@ PICTURES: tuple[Kind, ...] = get_args(Kind)  # the pictures of a run
 
 SpectrumOf = StrEnum("SpectrumOf", "area force displacement velocity normal-velocity load")
 """The quantities of spectra and histograms."""
-
-RECORDS = (".csv", ".tsv", ".txt")  # ends of names of records of the user's own, which are laid over spectra
 
 
 def complete(incomplete: str) -> list[str]:
@@ -64,8 +61,8 @@ def plot(
         Path | None,
         option(
             "RUN.h5|CSV",
-            "Another run, laid over the first: for slider, phase, load, and psd of anything but the area."
-            " For psd also a record of yours, a csv file.",
+            "Another run, laid over the first: for slider, phase, load and psd. For psd also a record of yours, a csv"
+            " file.",
             "--with",
         ),
     ] = None,
@@ -123,18 +120,13 @@ def _plot_run(
 ) -> None:
     from rubnoise.api.pictures import drawn, picture_named
     from rubnoise.api.run import Run
-    from rubnoise.api.trace import Trace
     from rubnoise.cli.loading import finished_run
 
     usual = f"{file.stem}_{picture_named(what)}_{how['of']}".removesuffix("_area")
     path = output or Path(f"{usual}.png")
     check_picture(path, force=force, reads=[file] if beside is None else [file, beside])
-    with finished_run(file) as run, ExitStack() as opened:
-        other: Trace | Run | None = None
-        if beside is not None:
-            is_record = beside.suffix.lower() in RECORDS
-            other = Trace(beside) if is_record else opened.enter_context(rubnoise.open(beside))
-        figure = drawn(Run(run), what, beside=other, names=("--of", f"--with {beside}"), **how)
+    with finished_run(file) as run:
+        figure = drawn(Run(run), what, beside=beside, names=("--of", f"--with {beside}"), **how)
         write_picture(path, figure, force=force)
 
 

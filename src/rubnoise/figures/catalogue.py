@@ -36,8 +36,7 @@ PICTURES: Final[dict[Kind, tuple[Callable[..., str], float, float]]] = {
 
 HEARD: Final = ("psd", "histogram")  # pictures that can be of force, motion or load, in place of the area
 
-OVERLAID: Final = ("slider", "phase", "load")
-"""Pictures in which another run can be laid over the first; so it can in a spectrum of anything but the area."""
+OVERLAID: Final = ("slider", "phase", "load", "psd")  # pictures in which another run can be laid over the first
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
