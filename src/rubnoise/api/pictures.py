@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args
 import numpy as np
 
 import rubnoise
+from rubnoise.analysis.measured import UNITS
 from rubnoise.analysis.sound import Heard
 from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
@@ -17,7 +18,7 @@ from rubnoise.errors import Refused, advised, did_you_mean, naming
 from rubnoise.figures import Axes, Figure, Kind, style
 from rubnoise.figures.catalogue import AS_IT_IS, HEARD, OVERLAID, PICTURES, Appearance, drawing
 from rubnoise.figures.style import NARROW, STYLES
-from rubnoise.figures.tracks import Stretch
+from rubnoise.figures.tracks import QUANTITIES, Stretch
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import is_hdf5
 from rubnoise.units import LENGTH, QuantityError, read_quantity
@@ -33,19 +34,6 @@ HIGH: Final = "84 mm x 110 mm"
 WIDTHS: Final = {"single": "84 mm x 60 mm", "double": "174 mm x 124 mm"}
 MICROMETRES_PER_INCH: Final = 25_400.0
 SMALLEST, LARGEST = 1.0, 40.0
-
-MEASURED: Final = {
-    "area": ("real_contact_area", "um^2", 1.0),
-    "displacement": ("displacement", "um", 1e12),
-    "velocity": ("velocity", "um/s", 1e6),
-    "force": ("friction_force", "uN", 1e6),
-    "normal-velocity": ("normal-velocity", "um/s", 1e6),
-    "load": ("load", "uN", 1e6),
-}
-"""Column and unit of a record of each quantity, and the factor from its spectrum to that of the pictures.
-
-They show um^2/Hz, (mm/s)^2/Hz and mN^2/Hz where a `PowerSpectrum` has m^2/Hz, (m/s)^2/Hz and N^2/Hz.
-"""
 
 
 def picture_named(what: Any) -> Kind:
@@ -108,7 +96,8 @@ def measured_spectrum(trace: Trace, heard: str | None) -> Any:
 
     Raises Refused for a trace of another quantity.
     """
-    over, (name, wanted, scale) = "um" if heard is None else "s", MEASURED[heard or AREA]
+    quantity, over = QUANTITIES[heard or AREA], "um" if heard is None else "s"
+    name, wanted = quantity.stem, UNITS[quantity.column]
     if trace.units[trace.place] != over:
         raise Refused(f"{trace.name}: is over {trace.place} in {trace.units[trace.place]}; this picture needs {over}")
     fitting = [each for each in trace if each != trace.place and trace.units[each] == wanted]
@@ -116,6 +105,7 @@ def measured_spectrum(trace: Trace, heard: str | None) -> Any:
         present = f"there are {', '.join(fitting)}" if fitting else "it has no such column"
         raise Refused(f"{trace.name}: needs a column {name} in units of {wanted}; {present}")
     seen = trace.psd(name if name in fitting else fitting[0])
+    scale = 1.0 if heard is None else (1e6 * quantity.scale) ** 2  # over Hz a `PowerSpectrum` is in m, m/s and N
     return Path(trace.name).name, seen.place[1:], scale * seen.density[1:]
 
 
