@@ -138,8 +138,7 @@ def _plot_sweep(folder: Path, what: str | None, output: Path | None, look: "Appe
         path = output or Path(f"{sweep.name}_{shown}.png")
         check_picture(path, force=force)
         with naming(folder):
-            figure = sweep_drawing(sweep.index, sweep.name, shown, look=look)
-    write_picture(path, figure, force=force)
+            write_picture(path, sweep_drawing(sweep.index, sweep.name, shown, look=look), force=force)
 
 
 def distance(option: str, text: str | None) -> float | None:

@@ -192,8 +192,7 @@ class Track:
             group = "trace"
         if group == "trace" != quantity.group and model.sliding_speed is None:
             raise Refused("the run has no times; sliding.speed in its scenario would give them")
-        swings = model.slider if group == "slider" else model.held
-        if group not in columns or (group != "trace" and (swings is None or model.sliding_speed is None)):
+        if group not in columns:
             what = "slider" if group == "slider" else "load that weighs"
             raise Refused(f"the run has no {what} to draw; [{group}] in its scenario would give it one")
         if quantity.column not in columns[group]:

@@ -9,7 +9,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.findings import from_attributes
 from rubnoise.analysis.sound import Sound
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
@@ -63,9 +62,8 @@ def run_report(file: Reader, text: str, between: Between) -> str:
     matplotlib.
     """
     stretch, origin = Stretch.of(file), file.provenance
-    measured = {row.name: row.value for row in from_attributes(file.summary)}
     sections = {
-        "What was simulated": _paragraphs(in_words(stretch, measured)),
+        "What was simulated": _paragraphs(in_words(stretch, file.summary)),
         "In numbers": _as_it_is(text),
         "Pictures": _paragraphs([IN_COLOURS]) + "".join(_pictures(stretch, between)),
         "Sound": _sound(file, between),
