@@ -55,16 +55,12 @@ def drawn(
     of: str = AREA,
     beside: "Run | Trace | str | os.PathLike[str] | None" = None,
     look: Appearance = AS_IT_IS,
-    names: tuple[str, str] = ("of", "beside"),
 ) -> Figure:
-    """Draw a picture of a run and return its figure (see Run.plot); ``names`` are the caller's for ``of``, ``beside``.
-
-    Raises Refused for what does not go together.
-    """
+    """Draw a picture of a run and return its figure (see Run.plot); raises Refused for what does not go together."""
     usual = "overview" if run.model().free is None else "load"
     kind, heard, other, measured = picture_named(usual if what is None else what), heard_of(of), None, None
     if heard is not None and kind not in HEARD:
-        raise Refused(f"{names[0]} is for psd and histogram, not for {kind}")
+        raise Refused(f"of=: is for psd and histogram, not for {kind}")
     ends = {"start=": start, "stop=": stop}
     first, last = (None if end is None else number_in(end, name, LENGTH) for name, end in ends.items())
     stretch = Stretch.of(run.reader(), first, last)
@@ -72,14 +68,15 @@ def drawn(
         if isinstance(beside, str | os.PathLike) and (is_hdf5(beside) or os.fspath(beside).endswith(".h5")):
             beside = opened.enter_context(rubnoise.open(beside))
         if isinstance(beside, rubnoise.Run):
-            if kind not in OVERLAID:
-                raise Refused(f"{names[1]}: another run is for slider, phase, load and psd, not for {kind}")
-            with naming(names[1]):
+            with naming(f'beside="{beside.path}"'):
+                if kind not in OVERLAID:
+                    raise Refused(f"another run is for slider, phase, load and psd, not for {kind}")
                 other = Stretch.of(beside.reader())
         elif beside is not None:
+            record = beside if isinstance(beside, Trace) else Trace(beside)
             if kind != "psd":
-                raise Refused(f"{names[1]}: a record of yours is for psd, not for {kind}")
-            measured = measured_spectrum(beside if isinstance(beside, Trace) else Trace(beside), heard)
+                raise Refused(f"{record.name}: a record of yours is for psd, not for {kind}")
+            measured = measured_spectrum(record, heard)
         return drawing(kind, stretch, heard=heard, beside=other, measured=measured, look=look, ax=ax)
 
 

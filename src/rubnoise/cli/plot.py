@@ -16,7 +16,6 @@ from rubnoise.figures import Figure, Kind
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
-    from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.style import Format
 
 
@@ -97,12 +96,10 @@ def plot(
 
     Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """
-    from rubnoise.api.pictures import appearance
-
     ends = distance("--from", start), distance("--to", stop)
     with refusing_files(file):  # which of the two it should have been says what may be drawn of it
         file.stat()
-    look = appearance(what, size=size, style=style, title=title)
+    look = {"size": size, "style": style, "title": title}
     if is_folder(file):
         if ends != (None, None) or beside:
             raise typer.BadParameter("--from, --to and --with are for the pictures of one run")
@@ -111,34 +108,31 @@ def plot(
             raise typer.BadParameter(f"--of is for psd and histogram of a run, not for {whose}")
         _plot_sweep(file, what, output, look, force=force)
     else:
-        how = {"start": ends[0], "stop": ends[1], "of": of.value, "look": look}
-        _plot_run(file, what or "trace", beside, output, how, force=force)
+        how = look | {"start": ends[0], "stop": ends[1], "of": of.value, "beside": beside}
+        _plot_run(file, what or "trace", output, how, force=force)
 
 
-def _plot_run(
-    file: Path, what: str, beside: Path | None, output: Path | None, how: dict[str, Any], *, force: bool
-) -> None:
-    from rubnoise.api.pictures import drawn, picture_named
+def _plot_run(file: Path, what: str, output: Path | None, how: dict[str, Any], *, force: bool) -> None:
+    from rubnoise.api.pictures import picture_named
     from rubnoise.api.run import Run
     from rubnoise.cli.loading import finished_run
 
-    usual = f"{file.stem}_{picture_named(what)}_{how['of']}".removesuffix("_area")
-    path = output or Path(f"{usual}.png")
-    check_picture(path, force=force, reads=[file] if beside is None else [file, beside])
+    kind = picture_named(what)
+    path = output or Path(f"{file.stem}_{kind}_{how['of']}".removesuffix("_area") + ".png")
+    check_picture(path, force=force, reads=[file, *filter(None, [how["beside"]])])
     with finished_run(file) as run:
-        figure = drawn(Run(run), what, beside=beside, names=("--of", f"--with {beside}"), **how)
-        write_picture(path, figure, force=force)
+        write_picture(path, Run(run).plot(kind, **how), force=force)
 
 
-def _plot_sweep(folder: Path, what: str | None, output: Path | None, look: "Appearance", *, force: bool) -> None:
-    from rubnoise.figures.catalogue import first_quantity, sweep_drawing
+def _plot_sweep(folder: Path, what: str | None, output: Path | None, look: dict[str, Any], *, force: bool) -> None:
+    from rubnoise.figures.catalogue import first_quantity
 
     with rubnoise.open_sweep(folder) as sweep:
         shown = what or first_quantity(sweep.index)
         path = output or Path(f"{sweep.name}_{shown}.png")
         check_picture(path, force=force)
         with naming(folder):
-            write_picture(path, sweep_drawing(sweep.index, sweep.name, shown, look=look), force=force)
+            write_picture(path, sweep.plot(shown, **look), force=force)
 
 
 def distance(option: str, text: str | None) -> float | None:

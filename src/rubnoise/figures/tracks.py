@@ -321,7 +321,7 @@ def tracks_of(stretch: Stretch, beside: Stretch | None, name: str) -> list[Track
     """Return a quantity in a stretch, and in that of a run drawn over it; raises Refused for runs without it."""
     found = [Track.of(stretch, name)]
     if beside is not None:
-        with naming(f"--with {beside.file.path}"):
+        with naming(f'beside="{beside.file.path}"'):
             found.append(Track.of(beside, name))
     return found
 
