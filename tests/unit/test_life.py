@@ -140,8 +140,7 @@ def test_every_life_can_be_drawn_as_much_of_it_as_the_run_has(file: RunFile, num
 
 def test_of_a_crowd_those_nearest_to_a_life_are_drawn(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pictures, "MOST_DRAWN", 3)
-    life = life_in(file, 3)
-    above, below = drawing("lives", Stretch.of(file), life=life).axes
+    above, below = drawing("lives", Stretch.of(file), life=life_in(file, 3)).axes
     assert [line.get_label() for line in above.lines] == ["sum of the 3 nearest in time"]
     assert "junction 3" in [line.get_label() for line in below.lines]
     with pytest.raises(Refused, match=r"3 at most; rubnoise plot RUN\.h5 lives --from and --to choose a shorter one"):
