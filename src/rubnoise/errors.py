@@ -107,7 +107,7 @@ def in_shell(text: str) -> str:
 
 def _option(found: re.Match[str]) -> str:
     name, words, number = found.groups()
-    option = f"--{name.rstrip('_').replace('_', '-')}"
+    option = "--" + {"beside": "with"}.get(name, name.rstrip("_").replace("_", "-"))  # one has another word
     if words is not None:
         return f"{option} {words}" if re.fullmatch(r"[\w./]+", words) else f'{option} "{words}"'
     return option if number in ("", "True") else f"{option} {number}"
@@ -167,6 +167,6 @@ def naming(name: object) -> Iterator[None]:
     try:
         yield
     except Refused as refused:
-        if isinstance(refused, OutputRefused) or re.match(rf"{re.escape(f'{name}:')}|--|[a-z_]+=:", str(refused)):
+        if isinstance(refused, OutputRefused) or re.match(rf"{re.escape(f'{name}:')}|--|[a-z_]+=[:\"]", str(refused)):
             raise
         raise type(refused)(f"{name}: {refused}") from refused

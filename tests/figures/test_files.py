@@ -3,10 +3,8 @@
 import hashlib
 import subprocess
 import sys
-from io import BytesIO
 from typing import Any
 
-import matplotlib.image
 import numpy as np
 import pytest
 
@@ -15,6 +13,7 @@ from rubnoise.figures import style
 from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style, new_figure
 from rubnoise.figures.theory import theory_figure
 from rubnoise.model import Model
+from tests.figures.test_run_pictures import of_colour, pixels_of
 
 # Files of figures: what they are, and that they say nothing about when and by what they were made.
 BEGINNINGS = {"png": b"\x89PNG\r\n\x1a\n", "pdf": b"%PDF-", "svg": b"<?xml"}
@@ -74,9 +73,7 @@ def _model(values: dict[str, Any]) -> Model:
 @pytest.mark.slow
 @pytest.mark.parametrize("values", EVERY.values(), ids=EVERY)
 def test_every_contact_has_a_picture_with_nothing_cut_off(values: dict[str, Any]) -> None:
-    png = style.drawn(theory_figure, _model(values), "a contact")
-    pixels = np.asarray(matplotlib.image.imread(BytesIO(png)))[:, :, :3]
+    pixels = pixels_of(as_bytes(theory_figure(_model(values), "a contact")))
     border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
     assert np.all(border == 1.0)
-    wanted = [int(style.VERMILION[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
-    assert np.all(np.abs(pixels - wanted) < 0.02, axis=2).sum() > 300
+    assert of_colour(pixels, style.VERMILION) > 300

@@ -49,11 +49,11 @@ def _lines(name: str, stretch: Stretch) -> dict[str, tuple[np.ndarray, np.ndarra
     return {str(line.get_label()): line.get_data() for each in axes for line in each.lines}
 
 
-def _pixels(png: bytes) -> np.ndarray:
+def pixels_of(png: bytes) -> np.ndarray:
     return np.asarray(matplotlib.image.imread(BytesIO(png)))[:, :, :3]
 
 
-def _of_colour(pixels: np.ndarray, colour: str) -> int:
+def of_colour(pixels: np.ndarray, colour: str) -> int:
     wanted = [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
     return int(np.all(np.abs(pixels - wanted) < 0.02, axis=2).sum())
 
@@ -66,13 +66,13 @@ PALE = {"histogram", "sizes", "life_distances", "gaps", "contact"}
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in PICTURES if name not in {"landmarks", "load"}])
 def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name: Any) -> None:
-    png = style.drawn(drawing, name, full)
-    pixels = _pixels(png)
+    png = style.as_bytes(drawing(name, full))
+    pixels = pixels_of(png)
     border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
     assert np.all(border == 1.0)
-    assert name in WITHOUT_THEORY or _of_colour(pixels, style.VERMILION) > 200
-    assert name in PALE or _of_colour(pixels, style.BLUE) > 200
-    assert style.drawn(drawing, name, full) == png
+    assert name in WITHOUT_THEORY or of_colour(pixels, style.VERMILION) > 200
+    assert name in PALE or of_colour(pixels, style.BLUE) > 200
+    assert style.as_bytes(drawing(name, full)) == png
 
 
 def test_the_junction_at_a_glance_is_of_about_the_mean_size(full: Stretch) -> None:

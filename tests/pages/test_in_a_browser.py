@@ -225,9 +225,9 @@ def test_the_statistics_of_the_whole_run_are_those_of_its_columns(browser: Any, 
         assert re.match(r"\d+ segments of", page.inner_text("#spectrum-says"))
         assert not page.is_hidden("#spectrum")
         assert not page.is_hidden("#phase")
-        counts = page.evaluate("Array.from(view.unpacked(view.data.whole.area.counts))")
+        counts = page.evaluate("Array.from(view.unpacked(view.data.statistics.area.counts))")
         assert counts == np.histogram(area, len(counts), (area.min(), area.max()))[0].tolist()
-        plane = page.evaluate("Array.from(view.unpacked(view.data.whole.phase.counts))")
+        plane = page.evaluate("Array.from(view.unpacked(view.data.statistics.phase.counts))")
         ends = ((x.min(), x.max()), (v.min(), v.max()))
         assert plane == np.histogram2d(x, v, CELLS, ends)[0].T.ravel().tolist()
 

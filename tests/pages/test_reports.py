@@ -327,7 +327,7 @@ def _bare(folder: Path, title: str) -> Path:
 def test_a_window_has_the_spectrum_that_theory_expects(one_way: Path) -> None:
     """Hold the page's own estimate against that of the commands, and its bins against what theory expects."""
     data = data_of(page_of(one_way))
-    about = data["exact"]["area"]
+    about = data["statistics"]["area"]
     body = """const { first, ...trace } = { first: 0, ...view.columns(view.data.groups.trace.columns) };
       const found = view.welch(trace.real_contact_area, step, ticks);
       return [Array.from(found.density), found.segments, view.strayOf(found.segments),

@@ -223,6 +223,8 @@ def test_a_record_is_laid_over_a_spectrum_at_its_own_height(tmp_path: Path, monk
     heights = [float(np.interp(at, line.get_xdata(), line.get_ydata())) for line in (drawn, lines["measured.csv"])]
     # The same record in other segments: within what 12 segments leave open (4 / sqrt(12)), and far from a wrong unit.
     assert 0.2 < heights[1] / heights[0] < 5.0
+    for of, name in (("velocity", "run.h5"), ("area", Path("run.h5"))):
+        assert "run.h5" in record.plot("psd", of=of, beside=name).axes[0].get_legend_handles_labels()[1]
     done = call("plot", "run.h5", "psd", "--of", "velocity", "--with", "measured.csv", "-o", "over.png")
     assert done.code == 0, done.err
     assert call("plot", "run.h5", "slider", "--with", "measured.csv").code == 2

@@ -11,8 +11,8 @@ import rubnoise
 from rubnoise.analysis.life import Life, life_of
 from rubnoise.api.run import Run
 from rubnoise.contact.pulses import LENS
-from rubnoise.errors import RunFileRefused
-from rubnoise.figures import style
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.figures import pictures, style
 from rubnoise.figures.catalogue import drawing
 from rubnoise.figures.tracks import Stretch
 from rubnoise.record.rows import JunctionState
@@ -136,6 +136,15 @@ def test_every_life_can_be_drawn_as_much_of_it_as_the_run_has(file: RunFile, num
     assert title.startswith(f"Junction {number}: diameter {life.diameter:.4g} µm, born at {life.birth_distance:.2f} µm")
     assert ("ended early" in title) == (JunctionState.ENDED_EARLY in life.state)
     assert f"{100.0 * life.peak.area_share:.3g} % of the real contact area at its peak" in title
+
+
+def test_of_a_crowd_those_nearest_to_a_life_are_drawn(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pictures, "MOST_DRAWN", 3)
+    above, below = drawing("lives", Stretch.of(file), life=life_in(file, 3)).axes
+    assert [line.get_label() for line in above.lines] == ["sum of the 3 nearest in time"]
+    assert "junction 3" in [line.get_label() for line in below.lines]
+    with pytest.raises(Refused, match=r"3 at most; rubnoise plot RUN\.h5 lives --from and --to choose a shorter one"):
+        drawing("lives", Stretch.of(file))
 
 
 def _luminance(colour: str) -> float:

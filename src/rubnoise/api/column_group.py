@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from rubnoise.api.columns import Column
 from rubnoise.api.keywords import shown
-from rubnoise.api.notebook import DataFrame, Dataset, Displayed, Figure, Overview
+from rubnoise.api.notebook import DataFrame, Dataset, Displayed, Overview
 from rubnoise.arrays import slices
 from rubnoise.errors import Refused, needing
+from rubnoise.figures import Figure
 from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
 

@@ -6,8 +6,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from rubnoise.api.notebook import Axes, Figure
 from rubnoise.arrays import CHUNK_ROWS, slices
+from rubnoise.figures import Axes, Figure
 from rubnoise.storage.schema import Dataset
 
 SHOWN_WHOLE = 4  # rows of a column that are all shown; of a longer one, the first three and the last

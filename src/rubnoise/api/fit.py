@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from rubnoise.answer import Answer, Row, Table, shown
-from rubnoise.api.notebook import DataFrame, Figure
+from rubnoise.api.notebook import DataFrame
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, needing
+from rubnoise.figures import Figure
 from rubnoise.inference.estimates import NAMES, Estimate
 from rubnoise.inference.fitting import Fit
 from rubnoise.inference.inference import InferenceResult, Tried

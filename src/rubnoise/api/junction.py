@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.life import JunctionRow
-from rubnoise.api.notebook import Axes, Figure
+from rubnoise.figures import Axes, Figure
 from rubnoise.real_numbers import at_each
 from rubnoise.storage import schema
 from rubnoise.tables import as_html

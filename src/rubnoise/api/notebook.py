@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 from rubnoise.tables import as_html, as_text, shortened
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from pandas import DataFrame  # type: ignore[import-untyped]
     from xarray import Dataset, DataTree
 else:
-    Axes = Figure = DataFrame = Dataset = DataTree = Any
+    DataFrame = Dataset = DataTree = Any
 
-__all__ = ["Axes", "DataFrame", "DataTree", "Dataset", "Displayed", "Figure", "Overview"]
+__all__ = ["DataFrame", "DataTree", "Dataset", "Displayed", "Overview"]
 
 Overview = tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[str]]  # heading, names of columns, rows, remarks
 

@@ -2,21 +2,23 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
 import numpy as np
 
+import rubnoise
+from rubnoise.analysis.measured import UNITS
 from rubnoise.analysis.sound import Heard
 from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
-from rubnoise.api.notebook import Axes, Figure
 from rubnoise.api.trace import Trace
 from rubnoise.errors import Refused, advised, did_you_mean, naming
-from rubnoise.figures import Kind, style
+from rubnoise.figures import Axes, Figure, Kind, style
 from rubnoise.figures.catalogue import AS_IT_IS, HEARD, OVERLAID, PICTURES, Appearance, drawing
 from rubnoise.figures.style import NARROW, STYLES
-from rubnoise.figures.tracks import Stretch
+from rubnoise.figures.tracks import QUANTITIES, Stretch
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import is_hdf5
 from rubnoise.units import LENGTH, QuantityError, read_quantity
@@ -33,19 +35,6 @@ WIDTHS: Final = {"single": "84 mm x 60 mm", "double": "174 mm x 124 mm"}
 MICROMETRES_PER_INCH: Final = 25_400.0
 SMALLEST, LARGEST = 1.0, 40.0
 
-MEASURED: Final = {
-    "area": ("real_contact_area", "um^2", 1.0),
-    "displacement": ("displacement", "um", 1e12),
-    "velocity": ("velocity", "um/s", 1e6),
-    "force": ("friction_force", "uN", 1e6),
-    "normal-velocity": ("normal-velocity", "um/s", 1e6),
-    "load": ("load", "uN", 1e6),
-}
-"""Column and unit of a record of each quantity, and the factor from its spectrum to that of the pictures.
-
-They show um^2/Hz, (mm/s)^2/Hz and mN^2/Hz where a `PowerSpectrum` has m^2/Hz, (m/s)^2/Hz and N^2/Hz.
-"""
-
 
 def picture_named(what: Any) -> Kind:
     """Return the picture of a run that has a name; raises Refused, with a near name, if there is none."""
@@ -59,47 +48,36 @@ def picture_named(what: Any) -> Kind:
 def drawn(
     run: "Run",
     what: Any,
-    ax: "Axes | None" = None,
+    ax: Axes | None = None,
     *,
     start: Any = None,
     stop: Any = None,
     of: str = AREA,
     beside: "Run | Trace | str | os.PathLike[str] | None" = None,
     look: Appearance = AS_IT_IS,
-    names: tuple[str, str] = ("of", "beside"),
-) -> "Figure":
-    """Draw a picture of a run and return its figure (see Run.plot); ``names`` are the caller's for ``of``, ``beside``.
-
-    Raises Refused for what does not go together.
-    """
+) -> Figure:
+    """Draw a picture of a run and return its figure (see Run.plot); raises Refused for what does not go together."""
     usual = "overview" if run.model().free is None else "load"
     kind, heard, other, measured = picture_named(usual if what is None else what), heard_of(of), None, None
     if heard is not None and kind not in HEARD:
-        raise Refused(f"{names[0]} is for psd and histogram, not for {kind}")
-    if not (beside is None or isinstance(beside, Trace) or hasattr(beside, "reader")):
-        beside = _measurement(beside, whole=kind != "psd" or heard is not None)
-    if isinstance(beside, Trace):
-        if kind != "psd":
-            raise Refused(f"{names[1]}: a record of yours is for psd, not for {kind}")
-        measured = measured_spectrum(beside, heard)
-    elif beside is not None:
-        if kind not in OVERLAID and not (kind == "psd" and heard):
-            raise Refused(f"{names[1]}: another run is for slider, phase, load, and psd of anything but the area")
-        with naming(names[1]):
-            other = Stretch.of(beside.reader())
+        raise Refused(f"of=: is for psd and histogram, not for {kind}")
     ends = {"start=": start, "stop=": stop}
     first, last = (None if end is None else number_in(end, name, LENGTH) for name, end in ends.items())
     stretch = Stretch.of(run.reader(), first, last)
-    return drawing(kind, stretch, heard=heard, beside=other, measured=measured, look=look, ax=ax)
-
-
-def _measurement(path: Any, *, whole: bool) -> Trace:
-    """Read a trace to draw beside a spectrum; raises Refused for a result if the picture needs the ``whole`` run."""
-    if isinstance(path, str | os.PathLike) and is_hdf5(path):
-        opened = f'rubnoise.open("{os.fspath(path)}")'
-        right = opened if whole else f"rubnoise.Trace({opened})"
-        raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")
-    return Trace(path)
+    with ExitStack() as opened:
+        if isinstance(beside, str | os.PathLike) and (is_hdf5(beside) or os.fspath(beside).endswith(".h5")):
+            beside = opened.enter_context(rubnoise.open(beside))
+        if isinstance(beside, rubnoise.Run):
+            with naming(f'beside="{beside.path}"'):
+                if kind not in OVERLAID:
+                    raise Refused(f"another run is for slider, phase, load and psd, not for {kind}")
+                other = Stretch.of(beside.reader())
+        elif beside is not None:
+            record = beside if isinstance(beside, Trace) else Trace(beside)
+            if kind != "psd":
+                raise Refused(f"{record.name}: a record of yours is for psd, not for {kind}")
+            measured = measured_spectrum(record, heard)
+        return drawing(kind, stretch, heard=heard, beside=other, measured=measured, look=look, ax=ax)
 
 
 def heard_of(of: str) -> Heard | None:
@@ -115,7 +93,8 @@ def measured_spectrum(trace: Trace, heard: str | None) -> Any:
 
     Raises Refused for a trace of another quantity.
     """
-    over, (name, wanted, scale) = "um" if heard is None else "s", MEASURED[heard or AREA]
+    quantity, over = QUANTITIES[heard or AREA], "um" if heard is None else "s"
+    name, wanted = quantity.stem, UNITS[quantity.column]
     if trace.units[trace.place] != over:
         raise Refused(f"{trace.name}: is over {trace.place} in {trace.units[trace.place]}; this picture needs {over}")
     fitting = [each for each in trace if each != trace.place and trace.units[each] == wanted]
@@ -123,6 +102,7 @@ def measured_spectrum(trace: Trace, heard: str | None) -> Any:
         present = f"there are {', '.join(fitting)}" if fitting else "it has no such column"
         raise Refused(f"{trace.name}: needs a column {name} in units of {wanted}; {present}")
     seen = trace.psd(name if name in fitting else fitting[0])
+    scale = 1.0 if heard is None else (1e6 * quantity.scale) ** 2  # over Hz a `PowerSpectrum` is in m, m/s and N
     return Path(trace.name).name, seen.place[1:], scale * seen.density[1:]
 
 
@@ -153,8 +133,8 @@ def _in_inches(size: str) -> tuple[float, float]:
 
 
 def drawn_columns(
-    place: tuple[Any, str], curves: Sequence[tuple[Any, str]], ax: "Axes | None" = None, *, logarithmic: bool = False
-) -> "Figure":
+    place: tuple[Any, str], curves: Sequence[tuple[Any, str]], ax: Axes | None = None, *, logarithmic: bool = False
+) -> Figure:
     """Draw columns over their place, one below the other, each with its label, and return the figure.
 
     A column may be several by name, "estimated" and "exact". With ``ax`` one is drawn into these axes.
@@ -164,7 +144,7 @@ def drawn_columns(
             figure = style.new_figure(7.0, 1.2 + 1.8 * len(curves))
             panes = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
         else:
-            figure, panes = cast("Figure", ax.figure), np.array([ax])
+            figure, panes = cast(Figure, ax.figure), np.array([ax])
         for axes, (values, label) in zip(panes, curves, strict=True):
             for name, each in (values if isinstance(values, Mapping) else {"": values}).items():
                 colour = style.VERMILION if name == "exact" else style.BLUE

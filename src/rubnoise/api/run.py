@@ -20,8 +20,9 @@ from rubnoise.api.column_group import SHORT, Columns, columns_by_group, homes_of
 from rubnoise.api.columns import with_units
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import refuse_unknown, shown
-from rubnoise.api.notebook import Axes, DataFrame, DataTree, Displayed, Figure, Overview
+from rubnoise.api.notebook import DataFrame, DataTree, Displayed, Overview
 from rubnoise.errors import Refused, RunFileRefused, needing
+from rubnoise.figures import Axes, Figure, Kind, Style
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from rubnoise.analysis.findings import Comparison
     from rubnoise.api.estimates import PowerSpectrum
     from rubnoise.api.trace import Trace
-    from rubnoise.figures import Kind, Style
     from rubnoise.model import Model
     from rubnoise.runs.verification import Verification
     from rubnoise.scenario import Scenario
@@ -248,12 +248,12 @@ class Run(Displayed):
 
         ``what`` is a name as for `rubnoise plot`; without it "overview", or "load" of a slider that moves freely.
         ``start`` and ``stop`` are sliding distances in um ("contact" is from above, at ``start``). ``of`` is whose
-        spectrum "psd" shows: "area", "force", "displacement" or "velocity". ``beside`` is another run, for "slider",
-        "phase" and spectra in Hz, or for "psd" a `Trace` or its file. With ``ax`` it takes the place of these axes, and
-        the whole figure is returned. ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of a journal;
-        ``title`` is whether axes have titles; ``style`` is "screen", "paper" (small letters and thin lines, the default
-        below 120 mm) or "slides". Raises Refused for a picture that the run does not have, ExtraMissing without
-        matplotlib.
+        spectrum "psd" shows: "area", "force", "displacement" or "velocity". ``beside`` is another run or its file, for
+        "slider", "phase", "load" and "psd", or for "psd" a `Trace` or its file. With ``ax`` it takes the place of these
+        axes, and the whole figure is returned. ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of
+        a journal; ``title`` is whether axes have titles; ``style`` is "screen", "paper" (small letters and thin lines,
+        the default below 120 mm) or "slides". Raises Refused for a picture that the run does not have, ExtraMissing
+        without matplotlib.
 
         >>> import rubnoise
         >>> with rubnoise.open("fig5.h5") as run:

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from rubnoise.api.column_group import Table
 from rubnoise.api.columns import Column
-from rubnoise.api.notebook import DataFrame, Dataset, Displayed, Figure, Overview
+from rubnoise.api.notebook import DataFrame, Dataset, Displayed, Overview
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.figure_names import FAILED, STATES
+from rubnoise.figures import Figure, Style
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import ABOUT, file_of, name_in, scenario_in
@@ -27,7 +28,6 @@ from rubnoise.units import KINDS, RATIO
 
 if TYPE_CHECKING:
     from rubnoise.analysis.replicates import PooledEstimate
-    from rubnoise.figures import Style
     from rubnoise.scenario import Scenario
 
 _ROUNDING: Final = 1e-12

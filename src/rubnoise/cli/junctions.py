@@ -86,7 +86,7 @@ def junctions(
 
             path = picture or Path(f"{file.stem}_junction{number}.png")
             check_picture(path, force=force, reads=[file])
-            write_picture(path, lambda: drawing("lives", Stretch.of(run), life=life), force=force)
+            write_picture(path, drawing("lives", Stretch.of(run), life=life), force=force)
         else:
             answer = _life_answer(life, file)
             if as_csv:  # the curve alone, with the units in the names of its columns

@@ -1,10 +1,8 @@
 """`rubnoise plot`: pictures of a run or of a sweep, simulation and theory in each."""
 
 import re
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Sequence
 from enum import StrEnum
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -14,13 +12,10 @@ import rubnoise
 from rubnoise.answer import printable
 from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
 from rubnoise.errors import naming, refusing_files
-from rubnoise.figures import Kind, Style
+from rubnoise.figures import Figure, Kind
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.style import Format
 
 
@@ -28,8 +23,6 @@ PICTURES: tuple[Kind, ...] = get_args(Kind)  # the pictures of a run
 
 SpectrumOf = StrEnum("SpectrumOf", "area force displacement velocity normal-velocity load")
 """The quantities of spectra and histograms."""
-
-RECORDS = (".csv", ".tsv", ".txt")  # ends of names of records of the user's own, which are laid over spectra
 
 
 def complete(incomplete: str) -> list[str]:
@@ -67,8 +60,8 @@ def plot(
         Path | None,
         option(
             "RUN.h5|CSV",
-            "Another run, laid over the first: for slider, phase, load, and psd of anything but the area."
-            " For psd also a record of yours, a csv file.",
+            "Another run, laid over the first: for slider, phase, load and psd. For psd also a record of yours, a csv"
+            " file.",
             "--with",
         ),
     ] = None,
@@ -103,12 +96,10 @@ def plot(
 
     Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """
-    from rubnoise.api.pictures import appearance
-
     ends = distance("--from", start), distance("--to", stop)
     with refusing_files(file):  # which of the two it should have been says what may be drawn of it
         file.stat()
-    look = appearance(what, size=size, style=style, title=title)
+    look = {"size": size, "style": style, "title": title}
     if is_folder(file):
         if ends != (None, None) or beside:
             raise typer.BadParameter("--from, --to and --with are for the pictures of one run")
@@ -117,40 +108,31 @@ def plot(
             raise typer.BadParameter(f"--of is for psd and histogram of a run, not for {whose}")
         _plot_sweep(file, what, output, look, force=force)
     else:
-        how = {"start": ends[0], "stop": ends[1], "of": of.value, "look": look}
-        _plot_run(file, what or "trace", beside, output, how, force=force)
+        how = look | {"start": ends[0], "stop": ends[1], "of": of.value, "beside": beside}
+        _plot_run(file, what or "trace", output, how, force=force)
 
 
-def _plot_run(
-    file: Path, what: str, beside: Path | None, output: Path | None, how: dict[str, Any], *, force: bool
-) -> None:
-    from rubnoise.api.pictures import drawn, picture_named
+def _plot_run(file: Path, what: str, output: Path | None, how: dict[str, Any], *, force: bool) -> None:
+    from rubnoise.api.pictures import picture_named
     from rubnoise.api.run import Run
-    from rubnoise.api.trace import Trace
     from rubnoise.cli.loading import finished_run
 
-    usual = f"{file.stem}_{picture_named(what)}_{how['of']}".removesuffix("_area")
-    path = output or Path(f"{usual}.png")
-    check_picture(path, force=force, reads=[file] if beside is None else [file, beside])
-    with finished_run(file) as run, ExitStack() as opened:
-        other: Trace | Run | None = None
-        if beside is not None:
-            is_record = beside.suffix.lower() in RECORDS
-            other = Trace(beside) if is_record else opened.enter_context(rubnoise.open(beside))
-        draw = partial(drawn, Run(run), what, beside=other, names=("--of", f"--with {beside}"), **how)
-        write_picture(path, draw, force=force, style=how["look"].style)
+    kind = picture_named(what)
+    path = output or Path(f"{file.stem}_{kind}_{how['of']}".removesuffix("_area") + ".png")
+    check_picture(path, force=force, reads=[file, *filter(None, [how["beside"]])])
+    with finished_run(file) as run:
+        write_picture(path, Run(run).plot(kind, **how), force=force)
 
 
-def _plot_sweep(folder: Path, what: str | None, output: Path | None, look: "Appearance", *, force: bool) -> None:
-    from rubnoise.figures.catalogue import first_quantity, sweep_drawing
+def _plot_sweep(folder: Path, what: str | None, output: Path | None, look: dict[str, Any], *, force: bool) -> None:
+    from rubnoise.figures.catalogue import first_quantity
 
     with rubnoise.open_sweep(folder) as sweep:
         shown = what or first_quantity(sweep.index)
         path = output or Path(f"{sweep.name}_{shown}.png")
         check_picture(path, force=force)
         with naming(folder):
-            figure = sweep_drawing(sweep.index, sweep.name, shown, look=look)
-    write_picture(path, lambda: figure, force=force, style=look.style)
+            write_picture(path, sweep.plot(shown, **look), force=force)
 
 
 def distance(option: str, text: str | None) -> float | None:
@@ -178,12 +160,12 @@ def check_picture(path: Path, *, force: bool, reads: Sequence[Path] = ()) -> "Fo
     return kind
 
 
-def write_picture(path: Path, draw: "Callable[[], Figure]", *, force: bool, style: Style = "screen") -> None:
-    """Draw a picture, write it whole or not at all in the format of its file's ending, and print its name."""
-    from rubnoise.figures.style import drawn
+def write_picture(path: Path, figure: Figure, *, force: bool) -> None:
+    """Write a picture, whole or not at all in the format of its file's ending, and print its name."""
+    from rubnoise.figures.style import as_bytes
     from rubnoise.storage.output import whole_file
 
-    picture = drawn(draw, kind=check_picture(path, force=force), style=style)
+    picture = as_bytes(figure, check_picture(path, force=force))
     with whole_file(path, force=force) as part:
         part.write_bytes(picture)
     print(path)

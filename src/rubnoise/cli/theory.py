@@ -60,7 +60,7 @@ def theory(
     if plot:
         from rubnoise.figures.theory import theory_figure
 
-        write_picture(picture, lambda: theory_figure(model, file.name), force=force)
+        write_picture(picture, theory_figure(model, file.name), force=force)
         return
     title = f"{file}: {scenario.title}".removesuffix(": ")
     at, brief = places(given), not (as_csv or as_json)

@@ -4,7 +4,13 @@ Begin with `catalogue`, which names the pictures of a run, and `pictures`, which
 show along the run, with what theory says of it; `panes` draws it; `style` holds colours, titles and legends.
 """
 
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes as Axes
+    from matplotlib.figure import Figure as Figure
+else:  # matplotlib, which is optional, is imported where something is drawn
+    Axes = Figure = Any
 
 OfContact = Literal["trace", "lives", "histogram", "psd", "acf", "count", "lifelines", "overview", "contact"]
 OfMotion = Literal["slider", "phase", "landmarks", "load"]

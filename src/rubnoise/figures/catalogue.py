@@ -3,21 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from rubnoise.analysis.life import Life
 from rubnoise.analysis.sound import Heard
 from rubnoise.arrays import Doubles
-from rubnoise.figures import Kind, Style, pictures, style
+from rubnoise.figures import Axes, Figure, Kind, Style, pictures, style
 from rubnoise.figures.contact import draw_contact, draw_overview
 from rubnoise.figures.study import draw_study, study_of_sweep
 from rubnoise.figures.tracks import Stretch
 from rubnoise.storage.index import Index
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 PICTURES: Final[dict[Kind, tuple[Callable[..., str], float, float]]] = {
     "trace": (pictures.draw_trace, 7.2, 4.6),
@@ -41,8 +36,7 @@ PICTURES: Final[dict[Kind, tuple[Callable[..., str], float, float]]] = {
 
 HEARD: Final = ("psd", "histogram")  # pictures that can be of force, motion or load, in place of the area
 
-OVERLAID: Final = ("slider", "phase", "load")
-"""Pictures in which another run can be laid over the first; so it can in a spectrum of anything but the area."""
+OVERLAID: Final = ("slider", "phase", "load", "psd")  # pictures in which another run can be laid over the first
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,8 +60,8 @@ def drawing(
     measured: tuple[str, Doubles, Doubles] | None = None,
     life: Life | None = None,
     look: Appearance = AS_IT_IS,
-    ax: "Axes | None" = None,
-) -> "Figure":
+    ax: Axes | None = None,
+) -> Figure:
     """Return a picture of a run as a figure, which a notebook shows; with ``ax``, their whole figure.
 
     heard: the quantity of `psd` and `histogram`, in place of the area; beside: a run that is drawn over
@@ -100,7 +94,7 @@ def first_quantity(index: Index) -> str:
     return next((name for name in FIRST_QUANTITIES if name in index.runs), FIRST_QUANTITIES[-1])
 
 
-def sweep_drawing(index: Index, name: str, what: str | None, *, look: Appearance = AS_IT_IS) -> "Figure":
+def sweep_drawing(index: Index, name: str, what: str | None, *, look: Appearance = AS_IT_IS) -> Figure:
     """Return a quantity of a sweep against the swept key as a figure; look: size, style, and whether there are titles.
 
     Raises Refused if the sweep does not have the quantity.
@@ -111,7 +105,7 @@ def sweep_drawing(index: Index, name: str, what: str | None, *, look: Appearance
         return figure
 
 
-def _finish(figure: "Figure", look: Appearance, *, fitted: bool) -> None:
+def _finish(figure: Figure, look: Appearance, *, fitted: bool) -> None:
     """Remove the titles of a figure that has a caption, and fit its labels into its size."""
     if not look.title:
         figure.suptitle("")

@@ -2,21 +2,17 @@
 
 from dataclasses import dataclass
 from math import ceil, pi, sqrt
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.figures import Axes, Figure
 from rubnoise.figures.panes import draw_along, draw_layers
 from rubnoise.figures.style import DISTANCE, FAINT, INK, PALE
 from rubnoise.figures.tracks import Stretch, Track
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 MOST_AT_ONCE: Final = 400  # pairs that a stage can show apart
 
@@ -38,7 +34,7 @@ class Stage:
     width: float
     height: float
 
-    def draw(self, axes: "Axes") -> None:
+    def draw(self, axes: Axes) -> None:
         """Draw the pairs, their overlaps in shades of area, and signs of births and deaths."""
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
@@ -64,14 +60,14 @@ class Stage:
         axes.spines["left"].set_visible(False)
         axes.figure.colorbar(shades, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
 
-    def _signs(self, axes: "Axes", events: Doubles, lasting: float, **look: Any) -> None:
+    def _signs(self, axes: Axes, events: Doubles, lasting: float, **look: Any) -> None:
         """Mark the first and last touch of pairs, and early ends, for some diameters of sliding."""
         pairs = self.junctions
         which = (events <= self.distance) & (self.distance < events + lasting * pairs.diameter)
         middle = self.x + 0.5 * (events - pairs.birth - pairs.half_life)
         axes.plot(middle[which], self.y[which], ls="", color=INK, mew=1.2, zorder=4, **look)
 
-    def _circles(self, axes: "Axes", shift: Doubles, aside: float, **look: Any) -> Doubles:
+    def _circles(self, axes: Axes, shift: Doubles, aside: float, **look: Any) -> Doubles:
         """Draw circles ``shift`` um along the motion and a part of their offsets across it; return their centres."""
         from matplotlib.collections import EllipseCollection
 
@@ -109,7 +105,7 @@ def stage_of(stretch: Stretch, distance: float) -> Stage:
     )
 
 
-def draw_contact(figure: "Figure", stretch: Stretch) -> str:
+def draw_contact(figure: Figure, stretch: Stretch) -> str:
     """Draw the junctions alive at the start of a stretch, in the middle of a run if none was chosen.
 
     The model has no places: those of junctions are only for the eye. Raises Refused if there are more of them than a
@@ -126,7 +122,7 @@ def draw_contact(figure: "Figure", stretch: Stretch) -> str:
 BESIDE: Final = 1.5  # how far the window goes beyond the junction on either side, in its own lives
 
 
-def draw_overview(figure: "Figure", stretch: Stretch) -> str:
+def draw_overview(figure: Figure, stretch: Stretch) -> str:
     """Draw a run, and the life of one of its junctions: one in its middle, of about the mean diameter.
 
     Below are force and displacement of its slider, without one area and count beside theory. Raises Refused for a run

@@ -1,11 +1,12 @@
 """Pictures of measurements: two surfaces under a load, and what an inference found behind a trace, with its report."""
 
 from html import escape
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, drawn, house_style, logarithmic, new_figure
+from rubnoise.figures import Axes, Figure
+from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, as_bytes, house_style, logarithmic, new_figure
 from rubnoise.inference.estimates import NAMES
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.inference.signal import autocovariance as sample_autocovariance
@@ -15,11 +16,6 @@ from rubnoise.tables import as_html
 from rubnoise.theory.second_order import autocovariance
 from rubnoise.web_page import report_page
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-
 _MOST_SHOWN: Final = 600
 """Points a side of a map as it is drawn; of more, the highest of some stand for them, so that no patch is lost."""
 
@@ -27,7 +23,7 @@ _BINS: Final = 60
 
 
 @house_style()
-def contact_figure(contact: SlidingContact) -> "Figure":
+def contact_figure(contact: SlidingContact) -> Figure:
     """Return five panes: both surfaces with patches, bearing curve, spectra, number, autocovariance."""
     figure = new_figure(9.0, 10.5)
     panes: Any = figure.subplot_mosaic([["map", "bearing"], ["spectra", "counts"], ["memory", "memory"]])
@@ -41,7 +37,7 @@ def contact_figure(contact: SlidingContact) -> "Figure":
     return figure
 
 
-def _draw_map(axes: "Axes", contact: SlidingContact) -> None:
+def _draw_map(axes: Axes, contact: SlidingContact) -> None:
     from matplotlib.colors import ListedColormap
 
     total = contact.heights
@@ -57,7 +53,7 @@ def _draw_map(axes: "Axes", contact: SlidingContact) -> None:
     axes.set(xlabel="along the sliding (µm)", ylabel="across (µm)", title="Both heights, patches of contact in red")
 
 
-def _draw_bearing(axes: "Axes", contact: SlidingContact) -> None:
+def _draw_bearing(axes: Axes, contact: SlidingContact) -> None:
     from scipy.special import ndtri
 
     heights = np.sort(contact.heights, axis=None)[::-1] / contact.gaussian.roughness
@@ -69,7 +65,7 @@ def _draw_bearing(axes: "Axes", contact: SlidingContact) -> None:
     logarithmic(axes.xaxis)
 
 
-def _draw_spectra(axes: "Axes", contact: SlidingContact) -> None:
+def _draw_spectra(axes: Axes, contact: SlidingContact) -> None:
     """Draw the power per wave of both scans along and across the sliding, summed over the other direction."""
     for role, scan, colour in zip(("track", "slider"), contact.scans, (BLUE, INK), strict=True):
         power = Waves.of(scan).power
@@ -89,7 +85,7 @@ def _draw_spectra(axes: "Axes", contact: SlidingContact) -> None:
     logarithmic(axes.xaxis, axes.yaxis)
 
 
-def _draw_counts(axes: "Axes", contact: SlidingContact) -> None:
+def _draw_counts(axes: Axes, contact: SlidingContact) -> None:
     cutoffs, counts = contact.count_over_cutoff()
     axes.loglog(cutoffs, counts, color=VERMILION, marker="o", markersize=3, label="exact, Gaussian")
     area = contact.counted.map_area / contact.nominal_area
@@ -99,7 +95,7 @@ def _draw_counts(axes: "Axes", contact: SlidingContact) -> None:
     logarithmic(axes.xaxis, axes.yaxis)
 
 
-def _draw_autocovariance(axes: "Axes", contact: SlidingContact) -> None:
+def _draw_autocovariance(axes: Axes, contact: SlidingContact) -> None:
     gaussian = contact.gaussian
     lags, moving = gaussian.curve
     end = min(float(lags[-1]), 8.0 * (gaussian.correlation_length if gaussian.correlation_length > 0.0 else lags[-1]))
@@ -123,7 +119,7 @@ _MOST = 1 << 20  # samples of an autocorrelation
 
 def fit_page(found: InferenceResult, name: str, text: str) -> str:
     """Return a page of HTML, in the style of a run's report: estimates, five pictures, tests, the command's texts."""
-    picture = drawn(fit_figure, found, kind="svg").decode("utf-8")
+    picture = as_bytes(fit_figure(found), "svg").decode("utf-8")
     picture = picture[picture.index("<svg") :]
     estimates = [
         (key.replace("_", " "), f"{each.value:.4g}", "{:.4g} to {:.4g}".format(*each.interval), each.unit.strip("1"))
@@ -140,7 +136,7 @@ def fit_page(found: InferenceResult, name: str, text: str) -> str:
 
 
 @house_style()
-def fit_figure(found: InferenceResult) -> "Figure":
+def fit_figure(found: InferenceResult) -> Figure:
     """Return trace, spectrum, residuals, autocorrelation and histogram as one figure."""
     fit, signal = found.fit, found.signal
     if fit is None:

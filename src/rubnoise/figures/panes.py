@@ -6,7 +6,7 @@ Blue is simulated and vermilion exact; two runs are a broad pale curve and a thi
 from collections.abc import Sequence
 from dataclasses import replace
 from math import pi, sqrt
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +16,10 @@ from rubnoise.analysis.selection import Neighbours, first_row
 from rubnoise.analysis.spectra import Spectrum, shared_variance, welch
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures import style
+from rubnoise.figures import Axes, style
 from rubnoise.figures.style import BLUE, FAINT, INK, NEAREST, VERMILION
 from rubnoise.figures.tracks import Track
 from rubnoise.theory.second_order import area_noise
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def looks_of(tracks: Sequence[Track]) -> list[dict[str, Any]]:
@@ -44,7 +41,7 @@ def looks_of(tracks: Sequence[Track]) -> list[dict[str, Any]]:
 MOST_SHADED: Final = 1500  # sticks or flights that are shaded: more would make the whole pane grey
 
 
-def draw_along(axes: "Axes", tracks: Sequence[Track], *, last: bool = True, **look: Any) -> None:
+def draw_along(axes: Axes, tracks: Sequence[Track], *, last: bool = True, **look: Any) -> None:
     """Draw a quantity of one run or two over place or time, about its exact mean and spread if theory knows them.
 
     Sticks of a two-way slider and flights of a free one are shaded; ``last``: whether the axis below has its label.
@@ -84,7 +81,7 @@ def edges_of(values: Doubles, bins: int) -> Doubles:
     return np.linspace(low - room if low <= 0.0 else max(low - room, 0.0), high + room, bins + 1)
 
 
-def draw_histogram(axes: "Axes", values: Doubles, edges: Doubles, total: int, law: Doubles | None) -> Doubles:
+def draw_histogram(axes: Axes, values: Doubles, edges: Doubles, total: int, law: Doubles | None) -> Doubles:
     """Draw and return the density of values among ``total``, and draw the exact one of bins of probability ``law``."""
     width = np.diff(edges)
     density = np.asarray(np.histogram(values, edges)[0] / (total * width), dtype=np.float64)
@@ -94,7 +91,7 @@ def draw_histogram(axes: "Axes", values: Doubles, edges: Doubles, total: int, la
     return density
 
 
-def draw_density(axes: "Axes", x: Doubles, y: Doubles) -> None:
+def draw_density(axes: Axes, x: Doubles, y: Doubles) -> None:
     """Draw the share of the time in each small box of a plane, in logarithmic shades."""
     *_, drawn = axes.hist2d(x, y, bins=(180, 140), weights=np.full(x.size, 1.0 / x.size), cmap="Blues", norm="log")
     drawn.set_rasterized(True)
@@ -102,7 +99,7 @@ def draw_density(axes: "Axes", x: Doubles, y: Doubles) -> None:
     style.logarithmic(bar.ax.yaxis)
 
 
-def draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str, mark: tuple[float, str]) -> None:
+def draw_counts(axes: Axes, values: Doubles, what: str, label: str, unit: str, mark: tuple[float, str]) -> None:
     """Draw how many values are in bins of equal ratio, and mark their median and a place to compare with."""
     shown, (place, words) = values[values > 0.0], mark
     axes.set(xlabel=f"{label} ({unit})", ylabel=f"number of {what}s")
@@ -126,19 +123,21 @@ LAYER_SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
 """Pale blues of neighbouring layers."""
 
 
-def draw_layers(axes: "Axes", place: Doubles, areas: Doubles, marked: int) -> None:
+def draw_layers(
+    axes: Axes, place: Doubles, areas: Doubles, marked: int, words: str = "their sum, the simulated area"
+) -> None:
     """Draw areas, a row for each junction, as layers with their sum on top; one of them is black."""
     base = np.zeros(place.size)
     for number, row in enumerate(areas):
         alive, shade = row > 0.0, INK if number == marked else LAYER_SHADES[number % len(LAYER_SHADES)]
         axes.fill_between(place[alive], base[alive], (base + row)[alive], color=shade, lw=0.0, rasterized=True)
         base = base + row
-    axes.plot(place, areas.sum(axis=0), color=BLUE, lw=1.6, label="their sum, the simulated area")
+    axes.plot(place, areas.sum(axis=0), color=BLUE, lw=1.6, label=words)
     axes.set_xlim(place[0], place[-1])
     axes.set_ylim(bottom=0.0)
 
 
-def mark_ends(axes: "Axes", lives: Neighbours, births: Doubles, deaths: Doubles) -> None:
+def mark_ends(axes: Axes, lives: Neighbours, births: Doubles, deaths: Doubles) -> None:
     """Mark births by rings and deaths by crosses at heights, if there is room for them."""
     if lives.rows.size <= MOST_MARKED:
         look: dict[str, Any] = {"color": INK, "ls": "", "ms": 3.4 if lives.rows.size <= 100 else 2.4, "mew": 0.8}
@@ -146,7 +145,7 @@ def mark_ends(axes: "Axes", lives: Neighbours, births: Doubles, deaths: Doubles)
         axes.plot(lives.death, deaths, "x", label="death", **look)
 
 
-def draw_lanes(axes: "Axes", lives: Neighbours, middle: float) -> None:
+def draw_lanes(axes: Axes, lives: Neighbours, middle: float) -> None:
     """Draw lives as bars in lanes; those alive at a distance are blue."""
     lane = lanes(lives.birth, lives.death).astype(np.float64)
     highest = max(float(lane.max(initial=0.0)) + 2.0, 3.0)
@@ -218,7 +217,7 @@ def spectrum_of(track: Track) -> Spectrum:
     return replace(seen, wavenumber=seen.wavenumber[shown] / turn, density=sides * seen.density[shown])
 
 
-def draw_spectra(axes: "Axes", found: Sequence[Seen]) -> None:
+def draw_spectra(axes: Axes, found: Sequence[Seen]) -> None:
     """Draw two-sided densities of a contact over rad/um, or one-sided ones of a motion over Hz, and the exact one."""
     tracks, (first, seen) = [track for track, _ in found], found[0]
     lowest = min(float(each.wavenumber[0]) for _, each in found)
@@ -246,7 +245,7 @@ def _turn_and_sides(track: Track) -> tuple[float, float]:
     return (2.0 * pi, 2.0) if track.timed else (1.0, 1.0)
 
 
-def _draw_exact(axes: "Axes", track: Track, lowest: float, highest: float) -> None:
+def _draw_exact(axes: Axes, track: Track, lowest: float, highest: float) -> None:
     """Draw the exact density, of a two-way slider that of one-way coupling, and what else there is to compare with."""
     if not track.stretch.has_theory:
         return
@@ -280,7 +279,7 @@ def expectation(track: Track, seen: Spectrum) -> Doubles | None:
     return _turn_and_sides(track)[1] * expected if expected.any() else None
 
 
-def draw_expected(axes: "Axes", ratio: "Axes", found: Seen, expected: Doubles, whose: str) -> None:
+def draw_expected(axes: Axes, ratio: Axes, found: Seen, expected: Doubles, whose: str) -> None:
     """Draw the expectation of an area's estimate, and below the estimate over it in bins, with two standard errors."""
     track, seen = found
     error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from contextlib import suppress
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.errors import Refused
-from rubnoise.figures import panes, style
+from rubnoise.figures import Figure, panes, style
 from rubnoise.figures.panes import draw_along
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION
 from rubnoise.figures.tracks import MOST_READ, Stretch, Track, at_the_same, tracks_of
@@ -23,11 +23,8 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.theory import second_order
 from rubnoise.theory.moments import area_cumulants, distribution, share_of
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
-
-def draw_trace(figure: "Figure", stretch: Stretch) -> str:
+def draw_trace(figure: Figure, stretch: Stretch) -> str:
     """Draw A_r of a stretch, and above it the place of the stretch in the whole record."""
     whole, shown = Track.of(stretch.whole(), "area"), Track.of(stretch, "area").shown()
     if shown.ends == whole.ends:
@@ -42,7 +39,7 @@ def draw_trace(figure: "Figure", stretch: Stretch) -> str:
     return "The real contact area"
 
 
-def draw_count(figure: "Figure", stretch: Stretch) -> str:
+def draw_count(figure: Figure, stretch: Stretch) -> str:
     """Draw N(s) of the stretch's beginning, and beside it the share of each live count in the whole stretch."""
     along, often = figure.subplots(1, 2, width_ratios=[2.2, 1])
     track = Track.of(stretch, "count")
@@ -68,7 +65,7 @@ def draw_count(figure: "Figure", stretch: Stretch) -> str:
 LAGS, LAG_LIVES = 80, 1.6  # lags that are shown, and to how many mean lives
 
 
-def draw_acf(figure: "Figure", stretch: Stretch) -> str:
+def draw_acf(figure: Figure, stretch: Stretch) -> str:
     """Draw the autocovariance of A_r over a stretch, R(tau), and the band with 95 % of estimates at each lag."""
     track, axes, model = Track.of(stretch, "area"), figure.subplots(), stretch.model
     reach = min(int(LAG_LIVES * model.mean_life_distance / track.step) + 1, (track.last - track.first) // 2)
@@ -110,13 +107,21 @@ LAYER_LIVES, MOST_DRAWN, DEFAULT_DRAWN = 4.0, 2000, 400
 MARGIN: Final = 0.1  # how far a picture of one life goes beyond it, in lengths of the life
 
 
-def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighbours]:
-    """Return the stretch that a picture of single lives shows, and these; raises Refused for too many of them."""
+def _single(stretch: Stretch, life: Life | None = None, *, touches: bool = False) -> tuple[Stretch, Neighbours]:
+    """Return the stretch that a picture of single lives shows, or one life, and its lives: beside one the nearest.
+
+    Raises Refused for too many of them.
+    """
     model = stretch.model
     births = max(DEFAULT_DRAWN - model.mean_junction_count, 0.1 * model.mean_junction_count)
     width = min(LAYER_LIVES * model.mean_life_distance, births * model.mean_birth_spacing)
     shown = stretch.narrowed(width if stretch.has_theory else 40.0 * model.mean_life_distance)
+    if life is not None:
+        shown = stretch.about(life.birth_distance, life.death_distance, MARGIN)
     alive = neighbours(stretch.file, shown.start, shown.stop, touches=touches)
+    if life is not None:
+        apart = np.abs(alive.birth + alive.death - life.birth_distance - life.death_distance)
+        return shown, alive.chosen(np.sort(np.argsort(apart, kind="stable")[:MOST_DRAWN]))
     if alive.rows.size > MOST_DRAWN:
         raise Refused(
             f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
@@ -125,20 +130,23 @@ def _single(stretch: Stretch, *, touches: bool = False) -> tuple[Stretch, Neighb
     return shown, alive
 
 
-def draw_lives(figure: "Figure", stretch: Stretch, life: Life | None = None) -> str:
+def draw_lives(figure: Figure, stretch: Stretch, life: Life | None = None) -> str:
     """Draw the areas of all junctions of a stretch, stacked to their sum, and below it each by itself.
 
     The largest is black; or, of one ``life``, that junction, and the stretch is as much of its life as the run has.
     """
-    shown, alive = _single(stretch if life is None else stretch.about(life.birth_distance, life.death_distance, MARGIN))
+    shown, alive = _single(stretch, life)
     lives = (shown.stop - shown.start) / shown.model.mean_life_distance
     place = np.linspace(shown.start, shown.stop, int(min(max(800.0, 40.0 * lives), 4000.0)))
     areas, law, peak = alive.areas(place), area_cumulants(shown.model), 0.25 * np.pi * shown.model.sizes.moment(2)
     tallest = areas.max(axis=1, initial=0.0)
     marked = int(np.argmax(np.append(tallest, 0.0) if life is None else alive.rows == life.number))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
-    style.exact_band(above, law.mean, law.std)
-    panes.draw_layers(above, place, areas, marked)
+    if alive.rows.size < MOST_DRAWN:
+        style.exact_band(above, law.mean, law.std)
+        panes.draw_layers(above, place, areas, marked)
+    else:
+        panes.draw_layers(above, place, areas, marked, f"sum of the {MOST_DRAWN:,} nearest in time")
     above.set_ylabel(style.AREA)
     below.plot(place, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.6)
     if tallest.size:
@@ -159,7 +167,7 @@ def _words_of(life: Life) -> str:
     return f"Junction {life.number:,}: {born}\n{share} at its peak"
 
 
-def draw_lifelines(figure: "Figure", stretch: Stretch) -> str:
+def draw_lifelines(figure: Figure, stretch: Stretch) -> str:
     """Draw the lives of a stretch as bars in lanes, a line across its middle, and below them the count.
 
     In free motion a bar is a touch of a summit.
@@ -176,7 +184,7 @@ def draw_lifelines(figure: "Figure", stretch: Stretch) -> str:
     return f"{alive.rows.size} {words}"
 
 
-def draw_psd(figure: "Figure", stretch: Stretch, beside: Stretch | None = None, of: str = "area") -> str:
+def draw_psd(figure: Figure, stretch: Stretch, beside: Stretch | None = None, of: str = "area") -> str:
     """Draw Welch's estimate of a spectrum beside the exact one, and over the estimate that theory expects."""
     found = [(track, panes.spectrum_of(track)) for track in tracks_of(stretch, beside, of)]
     looks = panes.looks_of([track for track, _ in found])
@@ -196,7 +204,7 @@ def draw_psd(figure: "Figure", stretch: Stretch, beside: Stretch | None = None, 
 BINS: Final = 51  # odd, so that what never varies falls into the middle of one
 
 
-def draw_values(figure: "Figure", stretch: Stretch, of: str = "area") -> str:
+def draw_values(figure: Figure, stretch: Stretch, of: str = "area") -> str:
     """Draw how often a quantity has each value, on a linear and on a logarithmic axis.
 
     An area or a load of 0 has a probability and no density: the title states it.
@@ -249,7 +257,7 @@ def born(stretch: Stretch, name: str) -> Doubles:
     return stretch.file.column("junctions", name, first, min(last, first + MOST_READ)).astype(np.float64)
 
 
-def draw_population(figure: "Figure", stretch: Stretch, of: Law) -> str:
+def draw_population(figure: Figure, stretch: Stretch, of: Law) -> str:
     """Draw sizes, lives or gaps of the junctions born in a stretch, beside their law."""
     (words, label), mean = LAWS[of], stretch.model.births.mean_spacing
     values = born(stretch, "diameter" if of == "sizes" else "birth_distance")
@@ -269,7 +277,7 @@ def draw_population(figure: "Figure", stretch: Stretch, of: Law) -> str:
 # Motion.
 
 
-def draw_motion(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:
+def draw_motion(figure: Figure, stretch: Stretch, beside: Stretch | None = None) -> str:
     """Draw force and displacement in time, and the displacement's spectrum if the stretch has enough rows."""
     whole = tracks_of(stretch, beside, "displacement")
     lifted = all(track.swings is not None and track.swings.excitation == "base" for track in whole)
@@ -294,7 +302,7 @@ MOST_ON_A_PATH: Final = 60_000
 HEADROOM: Final = 0.06  # room above the drive's speed over all speeds
 
 
-def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:
+def draw_phase(figure: Figure, stretch: Stretch, beside: Stretch | None = None) -> str:
     """Draw the path of a slider in the phase plane, over the density of all places of a longer stretch.
 
     A slider that sticks is on the horizontal line at the drive's speed V. For a one-way slider the ellipse of the exact
@@ -324,7 +332,7 @@ def draw_phase(figure: "Figure", stretch: Stretch, beside: Stretch | None = None
 MOST_IMPACTS: Final = 200  # impacts that are marked: with more, the marks would hide one another
 
 
-def draw_load(figure: "Figure", stretch: Stretch, beside: Stretch | None = None) -> str:
+def draw_load(figure: Figure, stretch: Stretch, beside: Stretch | None = None) -> str:
     """Draw load, separation and normal velocity in time; of free motion the exact mean load, flights and impacts."""
     low, names = figure.subplots(3, 1, sharex=True), ("load", "separation", "normal-velocity")
     for axes, name in zip(low, names, strict=True):
@@ -340,7 +348,7 @@ def draw_load(figure: "Figure", stretch: Stretch, beside: Stretch | None = None)
     return "The slider on its load"
 
 
-def draw_landmarks(figure: "Figure", stretch: Stretch) -> str:
+def draw_landmarks(figure: Figure, stretch: Stretch) -> str:
     """Draw how far a slider slips and how long it sticks, or how fast it hits the surface and how long it flies."""
     model, held = stretch.model, stretch.model.held
     track = Track.of(stretch, "displacement" if model.free is None else "load")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import cycle
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -16,14 +16,10 @@ from rubnoise.analysis.replicates import PooledEstimate, pooled
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figure_names import FIGURE_NAMES
-from rubnoise.figures import style
+from rubnoise.figures import Axes, Figure, style
 from rubnoise.scenario import Scenario, build
 from rubnoise.storage.index import Index
 from rubnoise.units import NUMBER, Quantity
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 CURVE: Final = 31  # points of an exact curve, from the lowest value of a key to the highest, besides those of the sweep
 
@@ -200,7 +196,7 @@ TALL: Final = 10.0
 """Ratio of the highest to the lowest value from which a quantity over a logarithmic axis has one too."""
 
 
-def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figure":
+def draw_study(study: Study, inches: tuple[float, float] | None = None) -> Figure:
     """Draw the points of every line with their 95 % intervals, and the exact curves. Within ``house_style()``."""
     figure = style.new_figure(*(inches or (6.4 if len(study.lines) > 1 else 5.4, 4.0)))
     axes = figure.subplots()
@@ -226,7 +222,7 @@ def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figu
     return figure
 
 
-def _label(axes: "Axes", study: Study) -> None:
+def _label(axes: Axes, study: Study) -> None:
     """Name the axes, and label the swept values if they are few and apart.
 
     Axes are logarithmic if the points lie so, and that of the quantity if it then falls by more than ten.
@@ -251,7 +247,7 @@ def _label(axes: "Axes", study: Study) -> None:
         axes.set_ylim(bottom=0.0)
 
 
-def _legend(axes: "Axes", study: Study) -> None:
+def _legend(axes: Axes, study: Study) -> None:
     """Distinguish lines by the values of the other keys; below them stands the exact curve."""
     handles: list[Any]
     handles, labels = axes.get_legend_handles_labels()

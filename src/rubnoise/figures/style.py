@@ -4,7 +4,7 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 """
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from io import BytesIO
@@ -15,12 +15,10 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from rubnoise.errors import Refused, needing
-from rubnoise.figures import Style
+from rubnoise.figures import Axes, Figure, Style
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.axis import Axis
-    from matplotlib.figure import Figure
 
     from rubnoise.model import Model
 
@@ -69,15 +67,17 @@ SETTINGS: Final[dict[str, Any]] = {
 }
 
 
-def new_figure(width: float, height: float) -> "Figure":
-    """Return an empty figure of a size in inches, laid out so that nothing is cut off.
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of a size in inches, laid out so that nothing is cut off; it keeps its style.
 
     To be called, and drawn on, within ``house_style()``. Raises ExtraMissing without matplotlib.
     """
     # Not through pyplot: it would look for a screen and keep every figure of the process.
+    from matplotlib import rcParams
     from matplotlib.figure import Figure
 
-    shown_in_notebooks: Any = type("Figure", (Figure,), {"_repr_png_": as_bytes, "__doc__": Figure.__doc__})
+    more = {"_repr_png_": as_bytes, "house": rcParams.copy(), "__doc__": Figure.__doc__}
+    shown_in_notebooks: Any = type("Figure", (Figure,), more)
     figure: Figure = shown_in_notebooks(figsize=(width, height), layout="constrained")
     return figure
 
@@ -142,20 +142,16 @@ def house_style(style: Style = "screen") -> Iterator[None]:
         yield
 
 
-def as_bytes(figure: "Figure", kind: Format = "png") -> bytes:
-    """Return a figure as the bytes of a png, pdf or svg file, the same for the same figure on any day."""
+def as_bytes(figure: Any, kind: Format = "png") -> bytes:
+    """Return a figure of ours as the bytes of a png, pdf or svg file, the same for the same figure on any day."""
+    from matplotlib import rc_context
+
     stream = BytesIO()
-    with warnings.catch_warnings():
+    with rc_context(figure.house), warnings.catch_warnings():
         # A title in a script that the font lacks is drawn as boxes, which is no reason for a warning on the terminal.
         warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
         figure.savefig(stream, format=kind, dpi=DOTS_PER_INCH, metadata=_WITHOUT_ORIGIN[kind])
     return stream.getvalue()
-
-
-def drawn(draw: Callable[..., "Figure"], *of: Any, kind: Format = "png", style: Style = "screen", **how: Any) -> bytes:
-    """Return what a function draws, in the house style, as the bytes of a file."""
-    with house_style(style):
-        return as_bytes(draw(*of, **how), kind)
 
 
 def logarithmic(*several: "Axis") -> None:
@@ -195,7 +191,7 @@ USUAL_WIDTH: Final = 0.775  # share of a figure's width that matplotlib gives a 
 NEAREST: Final = 1e-6  # span of values over the values themselves below which nothing but rounding is seen
 
 
-def put_title(figure: "Figure", *texts: str) -> None:
+def put_title(figure: Figure, *texts: str) -> None:
     """Put lines of a title over a figure; one that is wider than the figure is broken."""
     figure.suptitle("\n".join(texts), x=0.01, ha="left", wrap=True)
 
@@ -211,7 +207,7 @@ def one_line(text: str) -> str:
     return "".join(character if character.isprintable() else " " for character in text).strip()
 
 
-def exact_band(axes: "Axes", mean: float, std: float) -> None:
+def exact_band(axes: Axes, mean: float, std: float) -> None:
     """Mark an exact mean by a line, and a standard deviation about it by a band."""
     axes.axhspan(mean - std, mean + std, color=VERMILION, alpha=0.12, lw=0.0, zorder=0, label="exact mean ± std")
     # Over the curve, since a crowded one would hide the band.
@@ -220,7 +216,7 @@ def exact_band(axes: "Axes", mean: float, std: float) -> None:
         axes.axhline(edge, color=VERMILION, lw=0.7, ls=(0, (5, 4)), zorder=4)
 
 
-def add_legends(panes: Iterable["Axes"]) -> None:
+def add_legends(panes: Iterable[Axes]) -> None:
     """Put a legend above each pane, flush right, where it hides nothing; what a pane before explains is left out.
 
     It has as many columns as the width of its pane has room for.
@@ -247,7 +243,7 @@ _WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
 _FEWEST: Final = 8  # characters of a line, however little room there is
 
 
-def fit_labels(figure: "Figure") -> None:
+def fit_labels(figure: Figure) -> None:
     """Break labels and entries of legends that are longer than their room, and thin out ticks."""
     for _ in range(_ROUNDS):
         with warnings.catch_warnings():
@@ -259,7 +255,7 @@ def fit_labels(figure: "Figure") -> None:
             _fit_pane(axes, box, figure.bbox.width / beside)
 
 
-def _fit_pane(axes: "Axes", box: Any, width: float) -> None:
+def _fit_pane(axes: Axes, box: Any, width: float) -> None:
     """Fit the texts of a pane into its box and a part of the figure's width, in dots."""
     from matplotlib.ticker import MaxNLocator
 

@@ -4,20 +4,16 @@ from collections.abc import Callable
 from contextlib import suppress
 from math import pi
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rubnoise.errors import Refused
-from rubnoise.figures import style
+from rubnoise.figures import Axes, Figure, style
 from rubnoise.model import Model
 from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.theory.motion import motion_spectrum, response
 from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach, spectral_density, tail
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 POINTS: Final = 1200
 REACH: Final = 4.5
@@ -26,7 +22,7 @@ LITTLE: Final = 0.01
 
 
 @style.house_style()
-def theory_figure(model: Model, title: str) -> "Figure":
+def theory_figure(model: Model, title: str) -> Figure:
     """Draw distribution, autocovariance and spectrum of A_r, and the spectrum of a slider's displacement.
 
     ``title`` says what the model is from. A pane of what theory does not know says so.
@@ -56,7 +52,7 @@ def theory_figure(model: Model, title: str) -> "Figure":
     return figure
 
 
-def _draw_law(axes: "Axes", model: Model) -> None:
+def _draw_law(axes: Axes, model: Model) -> None:
     area = area_cumulants(model)
     if not area.std:
         raise Refused(f"always {area.mean:.5g} µm²")
@@ -73,7 +69,7 @@ def _draw_law(axes: "Axes", model: Model) -> None:
     axes.set_ylim(0.0, min(1.1 * float(density[np.isfinite(density)].max()), 6.0 * float(bell.max())))
 
 
-def _draw_covariance(axes: "Axes", model: Model) -> None:
+def _draw_covariance(axes: Axes, model: Model) -> None:
     lag = np.linspace(0.0, max(covariance_reach(model, LITTLE), 1.25 * model.mean_life_distance), LAGS)
     axes.axhline(0.0, color=style.FAINT, lw=0.6)
     axes.plot(lag, autocovariance(model, lag), color=style.VERMILION, lw=1.6, label="exact")
@@ -81,7 +77,7 @@ def _draw_covariance(axes: "Axes", model: Model) -> None:
     axes.set(xlim=(0.0, lag[-1]), xlabel="lag (µm)", ylabel="covariance (µm⁴)")
 
 
-def _draw_spectrum(axes: "Axes", model: Model) -> None:
+def _draw_spectrum(axes: Axes, model: Model) -> None:
     wavenumber = np.geomspace(0.1, 300.0, POINTS) / model.mean_life_distance
     density = spectral_density(model, wavenumber)
     lines, power = area_noise(model).lines
@@ -104,7 +100,7 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
     axes.set(xlim=(wavenumber[0], wavenumber[-1]), xlabel="wavenumber (rad/µm)", ylabel="µm⁴ per rad/µm")
 
 
-def _draw_response(axes: "Axes", model: Model) -> None:
+def _draw_response(axes: Axes, model: Model) -> None:
     natural = 0.0 if model.slider is None else model.slider.natural_frequency
     place = np.unique(np.append(np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS))) * natural
     density = 2.0 * motion_spectrum("displacement", model, 2.0 * pi * place)

@@ -192,8 +192,7 @@ class Track:
             group = "trace"
         if group == "trace" != quantity.group and model.sliding_speed is None:
             raise Refused("the run has no times; sliding.speed in its scenario would give them")
-        swings = model.slider if group == "slider" else model.held
-        if group not in columns or (group != "trace" and (swings is None or model.sliding_speed is None)):
+        if group not in columns:
             what = "slider" if group == "slider" else "load that weighs"
             raise Refused(f"the run has no {what} to draw; [{group}] in its scenario would give it one")
         if quantity.column not in columns[group]:
@@ -322,7 +321,7 @@ def tracks_of(stretch: Stretch, beside: Stretch | None, name: str) -> list[Track
     """Return a quantity in a stretch, and in that of a run drawn over it; raises Refused for runs without it."""
     found = [Track.of(stretch, name)]
     if beside is not None:
-        with naming(f"--with {beside.file.path}"):
+        with naming(f'beside="{beside.file.path}"'):
             found.append(Track.of(beside, name))
     return found
 

@@ -1,7 +1,7 @@
 """Lives in the form of a page: a birth and a diameter have four bytes each; values that follow from them are left out.
 
 Births are float32 numbers after a float64 base for every 256 rows, so that a birth is right to about 1e-5 um anywhere.
-A column of few different values is a table of them and one byte per row; a column of one value is that value.
+A column of one value is that value.
 """
 
 from typing import Any, Final
@@ -22,7 +22,6 @@ OWN_OF_TOUCHES: Final = ("max_area", "max_overlap")
 
 _TIMES: Final = ("birth_time", "death_time")
 _CHUNK: Final = 256  # rows with one base of their births
-_FEW: Final = 256  # different values of a column up to which it is held as a table of them and a byte a row
 _WIDTH: Final = 4  # bytes of a value
 _MARK: Final = 16  # bytes, about, that are added for a row whose end does not follow from its diameter
 _MOST_WITH_TIMES: Final = 8_000_000  # bytes of lives up to which those of a two-way slider have their times, too
@@ -74,9 +73,7 @@ def _behind_bases(values: Doubles) -> dict[str, Any]:
 
 
 def _in_short(values: Doubles) -> dict[str, Any]:
-    """Return values as a table of few different ones with one byte per row, or as float32 numbers."""
-    if np.unique(values[:: max(1, values.size // _FEW)]).size <= _FEW // 2:
-        different, which = np.unique(values, return_inverse=True)
-        if different.size <= _FEW:
-            return {"table": packed(different), "which": packed(which.astype(np.uint8)) if different.size > 1 else None}
+    """Return the value of all rows, if there is one, or float32 numbers."""
+    if values.size and np.ptp(values) == 0.0:
+        return {"value": float(values[0])}
     return {"values": packed(values.astype(np.float32))}

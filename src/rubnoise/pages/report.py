@@ -5,22 +5,21 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from html import escape
 from io import BytesIO
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.findings import from_attributes
 from rubnoise.analysis.sound import Sound
 from rubnoise.api.running import simulate
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import ExtraMissing, Refused
 from rubnoise.figure_names import STATES
-from rubnoise.figures import Kind
+from rubnoise.figures import Figure, Kind
 from rubnoise.figures.catalogue import drawing, sweep_drawing
 from rubnoise.figures.fits import contact_figure
 from rubnoise.figures.study import key_label, quantities_of, quantity_words
-from rubnoise.figures.style import drawn
+from rubnoise.figures.style import as_bytes
 from rubnoise.figures.tracks import Stretch
 from rubnoise.pages.report_words import in_words
 from rubnoise.record.reader import Reader
@@ -30,9 +29,6 @@ from rubnoise.storage.sound import write_wave
 from rubnoise.surface.sliding import SlidingContact
 from rubnoise.tables import as_html
 from rubnoise.web_page import coded, report_page
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 CAPTIONS: Final[dict[Kind, str]] = {
     "trace": "Real contact area over the sliding distance, at the beginning of the run.",
@@ -66,9 +62,8 @@ def run_report(file: Reader, text: str, between: Between) -> str:
     matplotlib.
     """
     stretch, origin = Stretch.of(file), file.provenance
-    measured = {row.name: row.value for row in from_attributes(file.summary)}
     sections = {
-        "What was simulated": _paragraphs(in_words(stretch, measured)),
+        "What was simulated": _paragraphs(in_words(stretch, file.summary)),
         "In numbers": _as_it_is(text),
         "Pictures": _paragraphs([IN_COLOURS]) + "".join(_pictures(stretch, between)),
         "Sound": _sound(file, between),
@@ -104,10 +99,10 @@ def _as_it_is(text: str) -> str:
     return f"<pre>{escape(text)}</pre>"
 
 
-def _picture(caption: str, draw: "Callable[..., Figure]", *of: Any, **how: Any) -> str:
+def _picture(caption: str, draw: Callable[..., Figure], *of: Any, **how: Any) -> str:
     """Return what a function draws, with a caption; nothing of a run that does not have it."""
     try:
-        content = drawn(draw, *of, **how)
+        content = as_bytes(draw(*of, **how))
     except ExtraMissing:
         raise
     except Refused:

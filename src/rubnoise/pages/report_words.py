@@ -1,6 +1,7 @@
 """The words of a report about a run: the contact, the motion, and whether the assumptions hold."""
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.moments import one_way_warnings
@@ -10,7 +11,7 @@ from rubnoise.model import Model
 from rubnoise.pages.page import last_time
 
 
-def in_words(stretch: Stretch, measured: Mapping[str, float]) -> list[str]:
+def in_words(stretch: Stretch, measured: Mapping[str, Any]) -> list[str]:
     """Return sentences about a run and its model; numbers stand in the table below them."""
     model = stretch.model
     return [*_contact(model), *_driven(model), *_flights(stretch), *_motion(model, measured)]
@@ -88,7 +89,7 @@ def _flights(stretch: Stretch) -> Iterator[str]:
     )
 
 
-def _motion(model: Model, measured: Mapping[str, float]) -> Iterator[str]:
+def _motion(model: Model, measured: Mapping[str, Any]) -> Iterator[str]:
     """Yield what the measured motion says: whether one-way coupling holds, or how the slider sticks."""
     if "one_way_validity" in measured and model.slider is not None and model.slider.excitation != "base":
         validity = measured["one_way_validity"]

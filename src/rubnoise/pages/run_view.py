@@ -16,7 +16,7 @@ from rubnoise.figures.tracks import Stretch, lowest_and_highest
 from rubnoise.model import Model
 from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import last_time, page
-from rubnoise.pages.statistics import exact_curves, whole_run
+from rubnoise.pages.statistics import statistics
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
@@ -71,7 +71,7 @@ def held_by_a_page(stretch: Stretch) -> Stretch:
 def run_page(stretch: Stretch) -> str:
     """Return the text of the page of a run, with all rows of a stretch that a page can hold."""
     model, file = stretch.model, stretch.file
-    exact, curves = area_cumulants(model), exact_curves(stretch)
+    exact = area_cumulants(model)
     groups = [name for name in CURVES if name in file.columns]
     title = str(file.attributes["title"]) or str(file.path)
     data = {
@@ -93,8 +93,7 @@ def run_page(stretch: Stretch) -> str:
         "junctionRows": file.rows("junctions"),
         "junctions": _lives(stretch),
         "extremes": extremes(file, model),
-        "exact": curves,
-        "whole": whole_run(stretch, curves),
+        "statistics": statistics(stretch),
         "groups": {name: _rows(stretch, name) for name in groups},
         "landmarks": _landmarks(stretch) if model.is_two_way else None,
         "flights": None if model.free is None else _flights(file, model),

@@ -1,6 +1,6 @@
 """The statistics of a run in its page: spectra, histograms and the phase plane, and the exact curves beside them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from math import inf
 from typing import Any, Final
 
@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.tracks import QUANTITIES as DRAWN
 from rubnoise.figures.tracks import Stretch, Track
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows, column_chunks
@@ -30,27 +29,43 @@ QUANTITIES: Final = {"area": "area", "velocity": "velocity", "normal": "normal-v
 """What has statistics, by its name in a page, as it is called in pictures."""
 
 
-def exact_curves(stretch: Stretch) -> dict[str, Any]:
-    """Return for area, velocities and load of a run the ticks of a segment and the expectation of its spectrum.
+def statistics(stretch: Stretch) -> dict[str, Any]:
+    """Return what a page says of area, velocities and load over a whole run, beside what theory expects.
 
-    Densities are two-sided, in um^4 per rad/um, um^2/s^2 per rad/s and uN^2 per rad/s; one that theory does not know is
-    None, as is the density of the area in 1/um^2. A motion that the run does not have is None.
+    Of each, None if the run does not have it: the step in um or s; the ticks of a segment, their number, and the
+    two-sided density in um^4 per rad/um, um^2/s^2 per rad/s or uN^2 per rad/s with its expectation, None if theory has
+    none; ``ends`` and ``counts`` of bars. Zeros of area and load of a slider that leaves the contact are among
+    ``rows``, and not drawn. Beside them is the exact density of the area in 1/um^2. The phase plane has its ticks in
+    each cell of displacement (across) and velocity (up), row by row from below.
     """
-    curves = {name: _curve(stretch.whole(), drawn) for name, drawn in QUANTITIES.items()}
-    return {"density": _known(lambda: _density(stretch.model)) if stretch.has_theory else None, **curves}
+    whole, model = stretch.whole(), stretch.model
+    return {
+        "density": _known(lambda: _density(model)) if stretch.has_theory else None,
+        "phase": _phase(stretch.file) if "slider" in stretch.file.columns else None,
+        **{name: _of_quantity(whole, drawn) for name, drawn in QUANTITIES.items()},
+    }
 
 
-def _curve(whole: Stretch, name: str) -> dict[str, Any] | None:
-    """Return the step in um or s, the ticks of a segment, and the expected spectrum, None if unknown."""
+def _of_quantity(whole: Stretch, name: str) -> dict[str, Any] | None:
     try:
         track = Track.of(whole, name)
     except Refused:
         return None
+    per_unit, column = track.quantity.scale**-2, (track.group, track.quantity.column)
     length = (LIVES if track.swings is None else _PERIODS) / track.natural if track.natural else inf
     ticks = 1 << int(np.clip(np.rint(np.log2(max(length / track.step, 1.0))), *_TICKS))
-    per_unit = track.quantity.scale**-2
-    expected = _known(lambda: per_unit * track.expected(ticks, ticks // 2)) if track.has_theory else None
-    return {"step": track.step, "ticks": ticks, "expected": expected}
+    spectrum, values = welch(column_chunks(whole.file, *column), ticks, track.step), whole.file.column(*column)
+    shown, ends = values if whole.has_theory or name == "normal-velocity" else values[values > 0.0], _ends(values)
+    return {
+        "step": track.step,
+        "ticks": ticks,
+        "expected": _known(lambda: per_unit * track.expected(ticks, ticks // 2)) if track.has_theory else None,
+        "density": packed(spectrum.density),
+        "segments": spectrum.segments,
+        "ends": ends,
+        "counts": packed(np.histogram(shown, _BARS, ends)[0].astype(np.uint32)),
+        "rows": values.size,
+    }
 
 
 def _density(model: Model) -> Doubles:
@@ -65,28 +80,6 @@ def _known(curve: Callable[[], Doubles]) -> dict[str, str] | None:
         return packed(curve().ravel())
     except Refused:
         return None
-
-
-def whole_run(stretch: Stretch, curves: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the statistics of each quantity that has a curve: two-sided spectrum, ``ends`` and ``counts`` of bars.
-
-    Zeros of area and load of a slider that leaves the contact are among ``rows``, and not drawn. The phase plane has
-    its ticks in each cell of displacement (across) and velocity (up), row by row from below.
-    """
-    file = stretch.file
-    found: dict[str, Any] = {"phase": _phase(file) if "slider" in file.columns else None}
-    for name, about in ((name, DRAWN[each]) for name, each in QUANTITIES.items() if curves[name] is not None):
-        spectrum = welch(column_chunks(file, about.group, about.column), curves[name]["ticks"], curves[name]["step"])
-        values = file.column(about.group, about.column)
-        shown, ends = values if stretch.has_theory or name == "normal" else values[values > 0.0], _ends(values)
-        found[name] = {
-            "density": packed(spectrum.density),
-            "segments": spectrum.segments,
-            "ends": ends,
-            "counts": packed(np.histogram(shown, _BARS, ends)[0].astype(np.uint32)),
-            "rows": values.size,
-        }
-    return found
 
 
 def _ends(values: NDArray[Any]) -> tuple[float, float]:

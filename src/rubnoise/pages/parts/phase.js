@@ -44,7 +44,7 @@ const ends = ({ whole, slider, first, last, levels }) => {
 
 view.drawPhase = () => {
   const slider = view.groups.slider;
-  const whole = view.isWhole() ? view.data.whole.phase : null;
+  const whole = view.isWhole() ? view.data.statistics.phase : null;
   figure.hidden = !slider || (!whole && !view.showsRows());
   if (figure.hidden) return;
   const [first, last] = view.rowsOf("slider", view.window.from, view.window.to);

@@ -13,13 +13,10 @@ view.columns = (packed) => {
   return found;
 };
 
-/** A column of lives: float32 numbers behind a base for each chunk, a table and where in it, or plain numbers. */
-const unfolded = ({ chunk, bases, behind, table, which, values }, count) => {
+/** A column of lives: float32 numbers behind a base for each chunk, one number for all, or plain numbers. */
+const unfolded = ({ chunk, bases, behind, value, values }, count) => {
   if (values) return Float64Array.from(view.unpacked(values));
-  if (table) {
-    const [few, place] = [view.unpacked(table), which && view.unpacked(which)];
-    return Float64Array.from({ length: count }, (_, row) => few[place ? place[row] : 0]);
-  }
+  if (value !== undefined) return new Float64Array(count).fill(value);
   const begin = view.unpacked(bases);
   return Float64Array.from(view.unpacked(behind), (value, row) => begin[Math.floor(row / chunk)] + value);
 };

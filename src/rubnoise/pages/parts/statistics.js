@@ -6,18 +6,15 @@ const BARS = 40;
 const SQUARES = { area: "µm⁴ per rad/µm", velocity: "µm²/s² per rad/s", normal: "µm²/s² per rad/s", load: "µN² per rad/s" };
 const CALLED = { area: "real_contact_area", velocity: "velocity", normal: "normal_velocity", load: "load" };
 const QUANTITIES = Object.fromEntries(Object.entries(CALLED).map(([quantity, called]) => [quantity, view.CURVES.find((each) => each.called === called)]));
-const exact = Object.fromEntries(Object.entries(data.exact).filter(([name]) => name in QUANTITIES).map(([name, found]) => [name, found && {
-  ...found, expected: found.expected && view.unpacked(found.expected),
-}]));
-const { phase: _, ...packed } = data.whole;
-const whole = Object.fromEntries(Object.entries(packed).map(([name, { density, counts, ...rest }]) => [name, {
-  ...rest, density: view.unpacked(density), counts: view.unpacked(counts),
+const { density: law, phase: _, ...packed } = data.statistics;
+const density = law && view.unpacked(law);
+const whole = Object.fromEntries(Object.entries(packed).map(([name, found]) => [name, found && {
+  ...found, density: view.unpacked(found.density), counts: view.unpacked(found.counts), expected: found.expected && view.unpacked(found.expected),
 }]));
 view.isWhole = () => $("part").value === "whole";
 const words = () => (view.isWhole() ? "the whole run" : "this window");
-const density = data.exact.density && view.unpacked(data.exact.density);
 for (const select of ["heard", "counted"])
-  for (const option of $(select).options) option.hidden = option.disabled = exact[option.value] === null;
+  for (const option of $(select).options) option.hidden = option.disabled = whole[option.value] === null;
 
 const made = {};
 const draw = (id, values, { logarithmic, ...more }) => {
@@ -31,7 +28,7 @@ const spectrum = () => {
   const heard = $("heard").value;
   const { group, name } = QUANTITIES[heard];
   const across = group === "trace" ? "wavenumber (rad/µm)" : "angular frequency (rad/s)";
-  const { step, ticks, expected } = exact[heard];
+  const { step, ticks, expected } = whole[heard];
   const values = view.isWhole() ? null : view.ticksOf(group, name);
   const { density: seen, segments } = view.isWhole() ? whole[heard] : values && values.length >= ((FEWEST + 1) * ticks) / 2 ? view.welch(values, step, ticks) : { segments: 0 };
   $("spectrum").hidden = !segments;
