@@ -15,13 +15,13 @@ from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.measured import AreaNoise, Measured
 from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors, over_ticks
 from rubnoise.analysis.records import HistogramSum
-from rubnoise.analysis.spectra import band_powers, bands_of, hann
+from rubnoise.analysis.spectra import band_powers, bands_of
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.theory.moments import area_cumulants, distribution
-from rubnoise.theory.sampling import expected_periodogram
+from rubnoise.theory.sampling import expected_periodogram, hann
 from rubnoise.theory.second_order import are_at_random, area_noise, autocovariance, spectral_density
 
 BINS: Final = 64
