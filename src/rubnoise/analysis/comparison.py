@@ -112,7 +112,7 @@ def _stretch(seen: MeasuredRun, wanted: str = "") -> tuple[Model, Model, float]:
         need_random_births(model, wanted)
         if model.mean_life_distance < FEWEST_TICKS_A_LIFE * model.tick:
             raise Refused(f"ticks are too wide for it; it needs {FEWEST_TICKS_A_LIFE} to a mean life")
-    return model, over_ticks(model, ticks, model.tick), ticks * model.tick
+    return model, over_ticks(model, ticks), ticks * model.tick
 
 
 def law_of_area(seen: MeasuredRun) -> Iterator[Row]:

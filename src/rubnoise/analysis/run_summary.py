@@ -71,7 +71,7 @@ class SummarySink(Measured):
         super().__init__(model)
         first = self.first["trace"]
         # What is left after an empty start; all of a run too short to forget it.
-        self._part = part = over_ticks(model, model.tick_count + 1 - first, model.tick) if first else model
+        self._part = part = over_ticks(model, model.tick_count + 1 - first) if first else model
         stride = max(1, floor(part.mean_life_distance / part.tick / _MOST_TICKS_A_LIFE))
         ticks, life = part.tick_count // stride + 1, part.mean_life_distance / (stride * part.tick)
         reach = max(1, min(round(_LIVES_A_REACH * life), ticks // _FEWEST_SEGMENTS))

@@ -30,7 +30,7 @@ def junction(
     """Live through two half-lives of sliding and die, or die earlier at an interrupt; tell an observer of it."""
     middle, death = birth + half_life, birth + 2.0 * half_life
     try:
-        if notifier is not None and notifier.watches("mid_life") and middle > 0.0:
+        if notifier is not None and notifier.observer.mid_life is not None and middle > 0.0:
             yield until(env, middle)
             notifier.life("mid_life", number, middle)
         yield env.timeout(max(death - env.now, 0.0))  # as `until` does, without the call
