@@ -21,6 +21,7 @@ from rubnoise.theory.sampling import EstimatedSpectrum, hann
 from rubnoise.theory.sizes import COARSE, sizes_of
 from rubnoise.theory.unit_pulse import pass_energies
 
+SEGMENTS = 64
 _VALUES_AT_ONCE = 1 << 19
 _NEIGHBOURS = 32
 

@@ -7,12 +7,11 @@ from math import pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from rubnoise.analysis.spectra import welch
+from rubnoise.analysis.spectra import SEGMENTS, welch
 from rubnoise.api.column_group import SHORT, Table
 from rubnoise.api.columns import Column, with_units
 from rubnoise.errors import Refused, advised, did_you_mean
 from rubnoise.real_numbers import number_in
-from rubnoise.theory.sampling import SEGMENTS
 from rubnoise.units import LENGTH, TIME
 
 if TYPE_CHECKING:
