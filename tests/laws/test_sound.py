@@ -13,11 +13,11 @@ from scipy.signal import firwin, resample_poly
 
 import rubnoise
 from rubnoise.analysis.sound import CROSSINGS, PASSED, Sound, output_count, resampled
-from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
+from rubnoise.analysis.spectra import WelchSum, band_powers
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.sound import STEPS
 from rubnoise.theory.coupling import load_motion
-from rubnoise.theory.sampling import expected_periodogram
+from rubnoise.theory.sampling import EstimatedSpectrum, expected_periodogram, hann
 from tests.architecture.sources import ROOT
 from tests.laws.scores import BOUND, REJECTED, seed_of
 
@@ -78,7 +78,7 @@ def _scores(run: RunFile, heard: np.ndarray) -> list[float]:
     return [(band.observed - band.expected) / band.standard_error for band in found]
 
 
-def _cut(spectrum: Spectrum, bins: int) -> Spectrum:
+def _cut(spectrum: EstimatedSpectrum, bins: int) -> EstimatedSpectrum:
     arrays = {name: getattr(spectrum, name)[:bins] for name in ("wavenumber", "density", "standard_error")}
     return replace(spectrum, **arrays)
 

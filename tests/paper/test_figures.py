@@ -14,11 +14,11 @@ import pytest
 from paper.figures import FIGURES, Sources, chosen, paper_figure
 from paper.spectra import FIRST, WIDEST, Spot, merged_bins, spreads_of
 
-from rubnoise.analysis.spectra import Spectrum
 from rubnoise.errors import Refused
 from rubnoise.figures import style
 from rubnoise.scenario.sweep import load_sweep
 from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.sampling import EstimatedSpectrum
 from tests.figures.papers import PAPER, of_colour, short_papers
 from tests.laws.scores import seed_of
 
@@ -98,7 +98,7 @@ def test_a_wrong_name_is_told_with_the_right_ones() -> None:
 def test_bins_of_a_spectrum_keep_its_integral() -> None:
     wavenumber = np.arange(5001) * 0.006
     density = 1.0 / (1.0 + wavenumber**4)
-    seen = Spectrum(wavenumber=wavenumber, density=density, standard_error=density, ticks=10_000, segments=50)
+    seen = EstimatedSpectrum(wavenumber=wavenumber, density=density, standard_error=density, ticks=10_000, segments=50)
     places, means = merged_bins(seen)
     assert places[0] == wavenumber[FIRST]
     assert places.size < 500

@@ -19,12 +19,12 @@ from rubnoise.analysis.sound import (
     output_count,
     resampled,
 )
-from rubnoise.analysis.spectra import Band, band_powers, hann, welch
+from rubnoise.analysis.spectra import Band, band_powers, welch
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.inference.signal import autocovariance
 from rubnoise.model import Model
 from rubnoise.storage.sound import STEPS, write_wave
-from rubnoise.theory.sampling import expected_periodogram
+from rubnoise.theory.sampling import expected_periodogram, hann
 from tests.laws.scores import seed_of
 from tests.models import bare, recorded
 from tests.unit.theory_models import memory, white

@@ -20,5 +20,4 @@ def test_ticks_and_births_are_told_apart_to_the_last_bit(tick: float) -> None:
     for i in (1, 3, 7, 999, 123_457):
         at = float(i) * tick
         for birth, last in ((np.nextafter(at, 0.0), i - 1), (at, i - 1), (np.nextafter(at, np.inf), i)):
-            found = list(tick_ranges(run, BEGIN.ticks, float(birth), 1))
-            assert found[-1].end - 1 == last
+            assert list(tick_ranges(run, BEGIN.ticks, float(birth), 1))[-1][-1] == last

@@ -9,14 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from paper.figures import Sources
-from rubnoise.analysis.spectra import Spectrum, welch
+from rubnoise.analysis.spectra import welch
 from rubnoise.api.running import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.figures.style import BLUE, CONFIDENCE, INK, SERIES, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader
 from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.sampling import standard_errors
+from rubnoise.theory.sampling import EstimatedSpectrum, standard_errors
 from rubnoise.theory.second_order import spectral_density
 
 Spot = tuple[Model, float, float]
@@ -74,12 +74,12 @@ SIMULATED: Final[dict[str, Any]] = {"lw": 2.6, "solid_joinstyle": "round"}
 """A simulated spectrum is drawn broad, for the exact one lies on it."""
 
 
-def spectrum_of(model: Model, record: Reader) -> Spectrum:
+def spectrum_of(model: Model, record: Reader) -> EstimatedSpectrum:
     """Return Welch's estimate of the two-sided S(k) of A_r in a run, in um^4 per rad/um."""
     return welch([record.column("trace", "real_contact_area")], 2 * round(0.5 * SEGMENT / model.tick), model.tick)
 
 
-def merged_bins(spectrum: Spectrum) -> tuple[Doubles, Doubles]:
+def merged_bins(spectrum: EstimatedSpectrum) -> tuple[Doubles, Doubles]:
     """Return wavenumbers and the mean density of the bins about each: first of single bins, then of more and more."""
     wavenumber, density = spectrum.wavenumber[FIRST:], spectrum.density[FIRST:]
     edges = [float(wavenumber[0])]

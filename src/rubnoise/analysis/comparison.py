@@ -18,14 +18,14 @@ from rubnoise.analysis.measured import STRETCHES, UNITS, MeasuredRun, measured_r
 from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, decay, needed_for_mean, over_ticks
 from rubnoise.analysis.records import longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
-from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
+from rubnoise.analysis.spectra import Band, band_powers, half_of
 from rubnoise.answer import Row, left_out
 from rubnoise.contact.distributions import Fixed
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.reader import Rows
 from rubnoise.theory.moments import area_cumulants, distribution, force_cumulants, zero_share
-from rubnoise.theory.sampling import expected_periodogram, mean_force_error
+from rubnoise.theory.sampling import expected_periodogram, hann, mean_force_error
 from rubnoise.theory.second_order import area_noise, autocovariance, need_random_births
 
 BANDS, FEWEST_SEGMENTS = 8, 8
@@ -112,7 +112,7 @@ def _stretch(seen: MeasuredRun, wanted: str = "") -> tuple[Model, Model, float]:
         need_random_births(model, wanted)
         if model.mean_life_distance < FEWEST_TICKS_A_LIFE * model.tick:
             raise Refused(f"ticks are too wide for it; it needs {FEWEST_TICKS_A_LIFE} to a mean life")
-    return model, over_ticks(model, ticks, model.tick), ticks * model.tick
+    return model, over_ticks(model, ticks), ticks * model.tick
 
 
 def law_of_area(seen: MeasuredRun) -> Iterator[Row]:

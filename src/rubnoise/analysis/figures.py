@@ -89,8 +89,8 @@ class Figure:
 
     ``of`` is the law's attribute and the name of the error; without it the law is the exact value itself. A law is None
     if the model has no such column. ``scale``: what the error is measured by, if it is not the exact value. ``over``:
-    what moment, exact value and error are divided by. A figure without ``powers`` is in no comparison, one that is not
-    ``kept`` in no summary.
+    what moment, exact value and error are divided by. A figure without ``powers`` is in no comparison, one without
+    words in `rubnoise.figure_names` in no summary.
     """
 
     name: str
@@ -101,7 +101,6 @@ class Figure:
     powers: tuple[int, int] | None = None
     scale: float | None = None
     over: Callable[[Model], float] = lambda _: 1.0
-    kept: bool = True
 
     @property
     def moment(self) -> str:
@@ -168,12 +167,8 @@ def _force(model: Model) -> Cumulants | None:
     return None if model.strengths is None else force_cumulants(model)
 
 
-def _load(model: Model) -> float:
-    return nan if model.load is None else model.load
-
-
 def _speed(model: Model) -> float:
-    return response(model).sliding_speed
+    return model.sliding_speed or nan
 
 
 FIGURES: Final = (
@@ -184,32 +179,32 @@ FIGURES: Final = (
     Figure("real_contact_area_excess_kurtosis", AREA, area_cumulants, "excess_kurtosis", _area_errors, (9, 0), 1.0),
     Figure("junction_count_mean", COUNT, _count, "mean", _count_errors, (1, 0)),
     Figure("junction_count_std", COUNT, _count, "std", _count_errors),
-    Figure("junction_count_variance", COUNT, _count, "variance", _count_errors, (1, 0), kept=False),
+    Figure("junction_count_variance", COUNT, _count, "variance", _count_errors, (1, 0)),
     Figure("friction_force_mean", FORCE, _force, "mean", _force_errors, (3, 1)),
     Figure("friction_force_std", FORCE, _force, "std", _force_errors, (5, 2)),
-    Figure("friction_coefficient", FORCE, _force, "mean", _force_errors, over=_load),
+    Figure("friction_coefficient", FORCE, _force, "mean", _force_errors, over=lambda model: model.load or nan),
     # A junction pushes with psi d^3, and leaves the energy of as much motion.
     Figure("displacement_mean", PLACE, motion_of, "mean_displacement", _motion_errors, (3, 1)),
     Figure("displacement_std", PLACE, motion_of, "displacement_std", _motion_errors, (6, 2)),
     Figure("velocity_std", SPEED, motion_of, "velocity_std", _motion_errors, (6, 2)),
     # One-way coupling takes the sliding speed for constant, so this should be far below 1.
     Figure("one_way_validity", SPEED, motion_of, "velocity_std", _motion_errors, over=_speed),
-    Figure("separation_mean", GAP, lambda _: 0.0, "", sampling.load_errors, (3, 0), kept=False),
-    Figure("load_mean", BORNE, _load, "", sampling.load_errors, (3, 0)),
+    Figure("separation_mean", GAP, lambda _: 0.0, "", sampling.load_errors, (3, 0)),
+    Figure("load_mean", BORNE, lambda model: model.load, "", sampling.load_errors, (3, 0)),
     Figure("separation_std", GAP, load_motion, "separation_std", sampling.load_errors, (6, 0)),
     Figure("normal_velocity_std", RISE, load_motion, "velocity_std", sampling.load_errors, (6, 0)),
     Figure("load_std", BORNE, load_motion, "load_std", sampling.load_errors, (6, 0)),
 )
 """The moments of columns that a run has; what /balance and /landmarks of a two-way slider add is in `_pushed_back`."""
 
-KEPT: Final = {figure.name: figure for figure in FIGURES if figure.kept}
+KEPT: Final = {figure.name: figure for figure in FIGURES if figure.name in FIGURE_NAMES}
 """The figures of a summary by name, in its order."""
 
 
 @lru_cache(maxsize=32)
 def _errors(errors: Errors, model: Model, ticks: int) -> dict[str, float]:
     """Return the errors of a column over some ticks, by moment."""
-    return errors(over_ticks(model, max(ticks, 2), model.tick), ticks * model.tick)
+    return errors(over_ticks(model, max(ticks, 2)), ticks * model.tick)
 
 
 def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Row]:

@@ -30,9 +30,9 @@ Shorter runs get no standard errors of higher moments either: these are of first
 """
 
 
-def over_ticks(model: Model, ticks: int, tick: float) -> Model:
-    """Return the model of a stationary stretch of ``ticks`` ticks, ``tick`` um apart."""
-    return replace(model, start="stationary", tick=tick, tick_count=ticks - 1, distance=max(ticks - 1, 1) * tick)
+def over_ticks(model: Model, ticks: int) -> Model:
+    """Return the model of a stationary stretch of ``ticks`` ticks."""
+    return replace(model, start="stationary", tick_count=ticks - 1, distance=max(ticks - 1, 1) * model.tick)
 
 
 def forgetting(model: Model) -> dict[str, int]:

@@ -15,13 +15,13 @@ from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.measured import AreaNoise, Measured
 from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors, over_ticks
 from rubnoise.analysis.records import HistogramSum
-from rubnoise.analysis.spectra import band_powers, bands_of, hann
+from rubnoise.analysis.spectra import band_powers, bands_of
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.theory.moments import area_cumulants, distribution
-from rubnoise.theory.sampling import expected_periodogram
+from rubnoise.theory.sampling import expected_periodogram, hann
 from rubnoise.theory.second_order import are_at_random, area_noise, autocovariance, spectral_density
 
 BINS: Final = 64
@@ -71,7 +71,7 @@ class SummarySink(Measured):
         super().__init__(model)
         first = self.first["trace"]
         # What is left after an empty start; all of a run too short to forget it.
-        self._part = part = over_ticks(model, model.tick_count + 1 - first, model.tick) if first else model
+        self._part = part = over_ticks(model, model.tick_count + 1 - first) if first else model
         stride = max(1, floor(part.mean_life_distance / part.tick / _MOST_TICKS_A_LIFE))
         ticks, life = part.tick_count // stride + 1, part.mean_life_distance / (stride * part.tick)
         reach = max(1, min(round(_LIVES_A_REACH * life), ticks // _FEWEST_SEGMENTS))

@@ -17,6 +17,7 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows, column_chunks
 from rubnoise.theory.coupling import THIRD, band_numbers, level, third_octaves
+from rubnoise.theory.sampling import EstimatedSpectrum, hann
 from rubnoise.theory.sizes import COARSE, sizes_of
 from rubnoise.theory.unit_pulse import pass_energies
 
@@ -25,27 +26,7 @@ _VALUES_AT_ONCE = 1 << 19
 _NEIGHBOURS = 32
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Spectrum:
-    """A two-sided spectral density S(k) at wavenumbers k >= 0 in rad/um, in the unit of the record squared per rad/um.
-
-    R(tau) = (1/2 pi) int S e^(i k tau) dk over all k: a one-sided density per cycle/um is twice S at k = 2 pi f. The
-    wavenumbers are 2 pi i / (ticks * tick); ``ticks`` are those of one of the ``segments``.
-    """
-
-    wavenumber: Doubles
-    density: Doubles
-    standard_error: Doubles
-    ticks: int
-    segments: int
-
-
-def hann(ticks: int) -> Doubles:
-    """Return the Hann window sin^2(pi i / n) of n ticks, as an endless record would repeat it (scipy's sym=False)."""
-    return np.square(np.sin(np.pi * np.arange(ticks) / ticks))
-
-
-def welch(chunks: Iterable[Doubles], ticks: int, tick: float) -> Spectrum:
+def welch(chunks: Iterable[Doubles], ticks: int, tick: float) -> EstimatedSpectrum:
     """Return Welch's estimate of a record that comes in pieces; see WelchSum."""
     total = WelchSum(ticks, tick)
     for chunk in chunks:
@@ -86,12 +67,12 @@ class WelchSum:
         self._sums += power.sum(axis=0), np.square(power).sum(axis=0)
         self._segments += count
 
-    def spectrum(self) -> Spectrum:
+    def spectrum(self) -> EstimatedSpectrum:
         """Return the mean over the segments so far; errors are inf for fewer than two."""
         count, ticks = self._segments, self._window.size
         mean, square = self._sums / max(count, 1)
         spread = np.sqrt(np.maximum(square - mean**2, 0.0) / (count - 1)) if count > 1 else np.full_like(mean, inf)
-        return Spectrum(
+        return EstimatedSpectrum(
             wavenumber=(2.0 * np.pi / (ticks * self._tick)) * np.arange(ticks // 2 + 1, dtype=np.float64),
             density=mean,
             standard_error=spread * sqrt(float(shared_variance(ticks, max(count, 1), 0)[0])),
@@ -141,7 +122,7 @@ class Band:
     skewness: float
 
 
-def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, count: int) -> list[Band]:
+def band_powers(model: Model, seen: EstimatedSpectrum, expected: Doubles, length: float, count: int) -> list[Band]:
     """Return the power (1/pi) int S dk of up to ``count`` bands, equally wide in the logarithm of k, with their errors.
 
     ``expected`` is the expectation of ``seen.density``, from a record of ``length`` um of a contact with Poisson

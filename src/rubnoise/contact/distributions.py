@@ -359,18 +359,18 @@ class Mixture:
         return values
 
 
-def parts_of(law: Law) -> tuple[tuple[float, Law], ...]:
-    """Return the parts of a mixture with their probabilities; an empty tuple for other laws."""
-    return law.parts if isinstance(law, Mixture) else ()
+def leaves_of(law: Law) -> list[tuple[float, Law]]:
+    """Return the laws without parts of which a law is made, with their probabilities."""
+    if not isinstance(law, Mixture):
+        return [(1.0, law)]
+    return [(weight * share, leaf) for weight, part in law.parts for share, leaf in leaves_of(part)]
 
 
 def has_single_values(law: Law) -> bool:
     """Whether a law has single values with a probability of their own, so that a density is not enough."""
-    return isinstance(law, Fixed) or any(has_single_values(part) for _, part in parts_of(law))
+    return any(isinstance(leaf, Fixed) for _, leaf in leaves_of(law))
 
 
 def largest_of(law: Law) -> float:
     """Return the largest value that a law, or any part of it, can draw: from the largest uniform."""
-    if isinstance(law, Mixture):
-        return max(largest_of(part) for part in law.laws)
-    return float(law.quantile(np.array([LARGEST_UNIFORM]))[0])
+    return max(float(leaf.quantile(np.array([LARGEST_UNIFORM]))[0]) for _, leaf in leaves_of(law))

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.selection import Neighbours, first_row
-from rubnoise.analysis.spectra import Spectrum, shared_variance, welch
+from rubnoise.analysis.spectra import shared_variance, welch
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures import Axes, style
 from rubnoise.figures.style import BLUE, FAINT, INK, NEAREST, VERMILION
 from rubnoise.figures.tracks import Track
+from rubnoise.theory.sampling import EstimatedSpectrum
 from rubnoise.theory.second_order import area_noise
 
 
@@ -188,10 +189,10 @@ NEIGHBOURS: Final = {1: 4.0 / 9.0, 2: 1.0 / 36.0}
 """Correlation of neighbouring bins under a Hann window, by their distance: the squares of 2/3 and 1/6."""
 
 NATURAL: Final = {"slider": "natural frequency", "load": "contact resonance"}
-Seen = tuple[Track, Spectrum]
+Seen = tuple[Track, EstimatedSpectrum]
 
 
-def spectrum_of(track: Track) -> Spectrum:
+def spectrum_of(track: Track) -> EstimatedSpectrum:
     """Return Welch's estimate as it is drawn: of a contact two-sided over rad/um, of what has times one-sided over Hz.
 
     Raises Refused for too few rows, and if nothing but rounding varies.
@@ -268,7 +269,7 @@ def _draw_exact(axes: Axes, track: Track, lowest: float, highest: float) -> None
         axes.plot(place, sides * white, color=INK, lw=0.8, ls=(0, (1, 1.5)), label="white noise (Kilburn)")
 
 
-def expectation(track: Track, seen: Spectrum) -> Doubles | None:
+def expectation(track: Track, seen: EstimatedSpectrum) -> Doubles | None:
     """Return what theory expects of an estimate, bin by bin; None of two-way or free motion, and of lines alone."""
     if not track.has_theory:
         return None

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.landmarks import Flights, Sticks
 from rubnoise.analysis.selection import first_row
-from rubnoise.analysis.spectra import hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, naming
 from rubnoise.figures.style import shortened
@@ -21,7 +20,7 @@ from rubnoise.scenario.reading import stored
 from rubnoise.theory.ancestors import white_spectrum
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import FORCE, density_of, motion_spectrum, need_friction
-from rubnoise.theory.sampling import expected_periodogram, through_window
+from rubnoise.theory.sampling import expected_periodogram, hann, through_window
 from rubnoise.theory.second_order import spectral_density
 
 MOST_POINTS: Final = 3000

@@ -32,14 +32,14 @@ class Contact:
     """A population with its number and strengths, lengths in ticks and the trace in its own unit.
 
     ``diameter`` is the mean one, ``shape`` that of the population, ``noise`` the variance of white noise, ``drift``
-    that of the steps of a random walk (None if none is fitted). ``births`` is lam per tick, ``strength`` E[psi] (trace
+    that of the steps of a random walk. ``births`` is lam per tick, ``strength`` E[psi] (trace
     unit per tick^2), ``inequality`` E[psi^2] / E[psi]^2.
     """
 
     diameter: float
     shape: float
     noise: float
-    drift: float | None = None
+    drift: float = 0.0
     births: float
     strength: float = 1.0
     inequality: float = 1.0
@@ -104,7 +104,7 @@ class FitProblem:
             by["shape"] = (level * population.by_shape(3, shape), by_shape * shape)
         if contact.noise > self.floor:
             by["noise"] = (0.0, np.full_like(mean, contact.noise))
-        if self.walk is not None and contact.drift:
+        if self.walk is not None and contact.drift > 0.0:
             mean = mean + contact.drift * self.walk
             by["drift"] = (0.0, contact.drift * self.walk)
         levels, bands = zip(*by.values(), strict=True)
@@ -126,7 +126,7 @@ class FitProblem:
         shape, drift = there.shape, there.drift
         if self.population.spread:
             shape = min(max(shape, NARROWEST), self.population.widest)
-        if drift is not None and self.walk is not None and drift * float(self.walk.max()) < self.floor:
+        if self.walk is not None and drift * float(self.walk.max()) < self.floor:
             drift = 0.0
         return replace(there, shape=shape, drift=drift, noise=there.noise if there.noise > self.floor else 0.0)
 
@@ -195,7 +195,7 @@ def starts(problem: FitProblem, diameter: float, noise: float) -> list[Contact]:
     bands = problem.bands
     low = bands.energy[: max(3, bands.energy.size // 12)]
     weights, found = bands.weight[: low.size], []
-    drift = None if problem.walk is None else 1e-3 * float(low.mean()) / float(problem.walk[0])
+    drift = 0.0 if problem.walk is None else 1e-3 * float(low.mean()) / float(problem.walk[0])
     for shape in problem.population.starts:
         moments = problem.population.moment
         # The spectrum falls at a wavenumber that goes with sqrt(m8 / m6), not with the mean.
@@ -316,7 +316,7 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
     total[1:, 0] *= w**3
     total[0, 0] = (total[0, 0] * w + contact.noise / periodogram.span) * periodogram.mean_variance
     # A walk from a trusted zero has the mean square q n / 3 on average over the record.
-    total[0, 0] += (contact.drift or 0.0) * periodogram.span / 3.0
+    total[0, 0] += contact.drift * periodogram.span / 3.0
     # A ramp from a trusted zero at one end moves the mean by half of it; what of it chance brings is no drift.
     total[0, 0] += max(ramp**2 - RAMP_VARIANCE * problem.longest_waves(contact) / periodogram.span, 0.0) / 4.0
     rows = np.arange(1, bands.size + 1)

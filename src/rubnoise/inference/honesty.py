@@ -221,7 +221,7 @@ def _third_test(values: Doubles, level: Doubles, fit: Fit, *, zero_known: bool) 
     gaussian = 6.0 * (variance**3 * reach + contact.noise * (3.0 * variance**2 + contact.noise**2))
     alike = float(probability @ np.square(alone) @ offsets(pulse)[1])
     error = sqrt(gaussian / n) + sqrt(contact.births * alike / n)
-    predicted = (zero_known or fit.known.strength is not None) and contact.drift is None
+    predicted = (zero_known or fit.known.strength is not None) and fit.problem.walk is None
     if predicted:
         powers = {"births": 1.0, "strength": 3.0, "inequality": 3.0, "diameter": 7.0, "shape": fit.by_shape(7)}
         b, a = _leans_on(fit)
@@ -282,7 +282,7 @@ def drift_test(values: Doubles, fit: Fit) -> HonestyTest:
     """
     contact, n = fit.contact, values.size
     rise = ramp_of(values)
-    variance = RAMP_VARIANCE * fit.problem.longest_waves(contact) / n + 1.2 * (contact.drift or 0.0) * n
+    variance = RAMP_VARIANCE * fit.problem.longest_waves(contact) / n + 1.2 * contact.drift * n
     z = rise / sqrt(variance)
     words = f"drift: a line through it rises by {rise:+.2f} of its standard deviation, {z:+.1f} standard errors"
     if fit.known.ramp**2 > variance:
@@ -304,7 +304,7 @@ def _steadiness(values: Doubles, fit: Fit) -> tuple[float, float]:
     means = values[: length * _PARTS].reshape(_PARTS, length).mean(axis=1)
     number = np.arange(_PARTS)
     walk = np.minimum(number[:, None], number) + np.where(np.eye(_PARTS) > 0.0, 1.0 / 3.0, 0.5)
-    total = density / length * np.eye(_PARTS) + (contact.drift or 0.0) * length * walk
+    total = density / length * np.eye(_PARTS) + contact.drift * length * walk
     between = np.diff(np.eye(_PARTS), axis=0)
     difference = between @ means
     statistic = float(difference @ np.linalg.solve(between @ total @ between.T, difference))

@@ -12,7 +12,6 @@ from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.kernel import count_live, sum_at_places, sum_over_cells
 from rubnoise.simulation.state import LiveRows
-from rubnoise.simulation.ticks import TickRange
 
 Drive = Literal["area", "force"]  # what moves a slider or a load: the real contact area or the friction force
 
@@ -23,7 +22,7 @@ def has_one_strength(model: Model) -> bool:
 
 
 def sample(
-    model: Model, rows: LiveRows, tick_range: TickRange, cells_per_tick: int = 1, drives: Sequence[Drive] = ()
+    model: Model, rows: LiveRows, ticks: range, cells_per_tick: int = 1, drives: Sequence[Drive] = ()
 ) -> tuple[Columns, list[Doubles]]:
     """Return the columns of /trace for a range of ticks, and the moments of what drives a motion through it.
 
@@ -31,10 +30,10 @@ def sample(
     power of two. Moments (3, cells) are Legendre moments over the width of the cells that end at the ticks, in um^2 and
     uN; of a force of one strength, over that too. At the first tick of the run no cell ends.
     """
-    first, end, tick, equal = tick_range.first, tick_range.end, tick_range.tick, has_one_strength(model)
+    first, end, tick, equal = ticks.start, ticks.stop, model.tick, has_one_strength(model)
     square = rows.diameter * rows.diameter
     moves = "area" in drives or (equal and bool(drives))
-    area, moments = _summed(model, rows, square, tick_range, cells_per_tick if moves else 0)
+    area, moments = _summed(model, rows, square, ticks, cells_per_tick if moves else 0)
     columns: dict[str, NDArray[Any]] = {
         "distance": np.arange(first, end) * tick,
         "real_contact_area": area,
@@ -44,7 +43,7 @@ def sample(
     if not equal:
         moves = "force" in drives
         columns["friction_force"], driving["force"] = _summed(
-            model, rows, rows.strength * square, tick_range, cells_per_tick if moves else 0
+            model, rows, rows.strength * square, ticks, cells_per_tick if moves else 0
         )
     elif model.strengths is not None:
         columns["friction_force"] = model.strengths.mean * area
@@ -52,13 +51,13 @@ def sample(
 
 
 def _summed(
-    model: Model, rows: LiveRows, weight: Doubles, tick_range: TickRange, cells_per_tick: int
+    model: Model, rows: LiveRows, weight: Doubles, ticks: range, cells_per_tick: int
 ) -> tuple[Doubles, Doubles]:
     """Return the weighted sum of all lives at the ticks, and its moments over the cells that end at them, if any."""
-    first, end, shape = tick_range.first, tick_range.end, model.pulse.shape
+    first, end, shape = ticks.start, ticks.stop, model.pulse.shape
     if cells_per_tick == 0:
-        return sum_at_places(shape, rows, weight, first, end, tick_range.tick), np.empty((3, 0))
+        return sum_at_places(shape, rows, weight, first, end, model.tick), np.empty((3, 0))
     before = max(first - 1, 0)
     low, high = before * cells_per_tick, (end - 1) * cells_per_tick
-    total, moments = sum_over_cells(shape, rows, weight, low, high, tick_range.tick / cells_per_tick)
+    total, moments = sum_over_cells(shape, rows, weight, low, high, model.tick / cells_per_tick)
     return total[(first - before) * cells_per_tick :: cells_per_tick], moments

@@ -41,21 +41,6 @@ from rubnoise.streams import Stream, uniforms
 _ROOM: Final = 4096
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FreeRows:
-    """The rows of a block, records as in `motion`; places count from the origin of the block.
-
-    touches: from contact made to contact lost, in order of loss; layers: number of layers of encounters that were
-    needed.
-    """
-
-    block: int
-    ticks: Records
-    touches: Records
-    marks: Records
-    layers: int
-
-
 class FreeRun:
     """A free slider as it moves, which begins at z = z' = 0; ``contacts`` are its present ones."""
 
@@ -69,8 +54,11 @@ class FreeRun:
         self._state["x"], self._state["sliding"], self._state["fresh"] = start, -1, -1
         self.contacts = self._touched()
 
-    def through(self, ticks: int) -> Iterator[FreeRows]:
-        """Yield the rows block by block up to a tick; raise RubnoiseError if the motion cannot continue."""
+    def through(self, ticks: int) -> Iterator[Room]:
+        """Yield the rows block by block up to a tick; raise RubnoiseError if the motion cannot continue.
+
+        Places count from the origin of the block; touches, from contact made to contact lost, are in order of loss.
+        """
         while self._block <= ticks // self.surface.ticks:
             left = ticks - self._block * self.surface.ticks
             yield self._moved(min(left + 1, self.surface.ticks), final=left < self.surface.ticks)
@@ -113,7 +101,7 @@ class FreeRun:
         pool["touching"] = np.isin(pool["number"], self.contacts["number"])
         return Surface(pool, np.empty(pool.size + 1, np.int64), bottom)
 
-    def _moved(self, ticks: int, *, final: bool) -> FreeRows:
+    def _moved(self, ticks: int, *, final: bool) -> Room:
         """Move through the block and return its rows; draw deeper layers, and make room, where they are needed."""
         state, layers = self._state, self._layers
         end = (ticks - 1) * self.surface.tick if final else self.surface.length
@@ -141,13 +129,7 @@ class FreeRun:
         self.contacts["ago"] += 1
         state["s"] = 0.0
         self._block += 1
-        return FreeRows(
-            block=self._block - 1,
-            ticks=out.ticks,
-            touches=np.concatenate(touches),
-            marks=np.concatenate(marks),
-            layers=layers,
-        )
+        return Room(out.ticks, np.concatenate(touches), np.concatenate(marks))
 
 
 _TOUCH: Final = np.dtype(
@@ -213,17 +195,16 @@ class FreeMotion:
     def next_state(self, state: State) -> State:
         """Play one block, write its rows, and return the state after it; raise RubnoiseError if it cannot go on."""
         rows = next(self._blocks)
-        begin, end = self._origin(rows.block), self._origin(rows.block + 1)
         ticks = state.ticks + rows.ticks.size
         final = ticks > self._model.tick_count
         self._write_ticks(rows, state.ticks)
-        known = self._known(self._touches(rows), final=final)
+        known = self._known(self._touches(rows, state.block), final=final)
         self._write_junctions(known, state.junctions)
-        self._write_landmarks(rows, begin)
+        self._write_landmarks(rows, self._origin(state.block))
         junctions = state.junctions + known.size
         if self._watch is not None:
             self._watch(float(ticks - 1) * self._model.tick, junctions, self._run.contacts.size)
-        return State(block=state.block + 1, next_birth=end, junctions=junctions, ticks=ticks)
+        return State(block=state.block + 1, junctions=junctions, ticks=ticks)
 
     def _origin(self, block: Any) -> Any:
         """Return where blocks begin, in um."""
@@ -235,7 +216,7 @@ class FreeMotion:
             return {}
         return {"displacement": self._scales.along * x, "velocity": self._scales.along * self._scales.rate * u}
 
-    def _write_ticks(self, rows: FreeRows, first: int) -> None:
+    def _write_ticks(self, rows: Room, first: int) -> None:
         model, scales, ticks = self._model, self._scales, rows.ticks
         distance = np.arange(first, first + ticks.size).astype(np.float64) * model.tick
         time, live = distance / (model.sliding_speed or 1.0), ticks["live"]
@@ -264,15 +245,15 @@ class FreeMotion:
         for group, columns in groups.items():
             self._sink.write(group, first, columns)
 
-    def _touches(self, rows: FreeRows) -> NDArray[Any]:
+    def _touches(self, rows: Room, block: int) -> NDArray[Any]:
         """Return the touches that ended in the block, and then those that have not ended."""
         ended, alive, unit = rows.touches, self._run.contacts, self._scales.length
         touches = np.empty(ended.size + alive.size, _TOUCH)
         for name, there in (("number", "number"), ("overlap", "largest"), ("share", "share")):
             touches[name] = np.concatenate([ended[there], alive[there]])
-        block = np.concatenate([rows.block - ended["ago"], rows.block + 1 - alive["ago"]])
-        touches["birth"] = self._origin(block) + unit * np.concatenate([ended["made"], alive["made"]])
-        touches["death"] = np.concatenate([self._origin(rows.block) + unit * ended["lost"], np.full(alive.size, inf)])
+        made = np.concatenate([block - ended["ago"], block + 1 - alive["ago"]])
+        touches["birth"] = self._origin(made) + unit * np.concatenate([ended["made"], alive["made"]])
+        touches["death"] = np.concatenate([self._origin(block) + unit * ended["lost"], np.full(alive.size, inf)])
         return touches
 
     def _known(self, touches: NDArray[Any], *, final: bool) -> NDArray[Any]:
@@ -311,7 +292,7 @@ class FreeMotion:
             found["shear_strength"] = model.strengths.mean * rows["share"]
         self._sink.write("junctions", first, found)
 
-    def _write_landmarks(self, rows: FreeRows, begin: float) -> None:
+    def _write_landmarks(self, rows: Room, begin: float) -> None:
         marks, scales, first = rows.marks, self._scales, self._landmarks.rows
         distance = begin + scales.length * marks["place"]
         found: dict[str, NDArray[Any]] = {

@@ -16,7 +16,6 @@ from rubnoise.model import Model
 from rubnoise.simulation.intervention import Intervention, LiveSet, joined
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.state import LiveRows, State
-from rubnoise.simulation.ticks import TickRange
 
 
 def until(env: Environment, place: float) -> Timeout:
@@ -30,7 +29,7 @@ def junction(
     """Live through two half-lives of sliding and die, or die earlier at an interrupt; tell an observer of it."""
     middle, death = birth + half_life, birth + 2.0 * half_life
     try:
-        if notifier is not None and notifier.watches("mid_life") and middle > 0.0:
+        if notifier is not None and notifier.observer.mid_life is not None and middle > 0.0:
             yield until(env, middle)
             notifier.life("mid_life", number, middle)
         yield env.timeout(max(death - env.now, 0.0))  # as `until` does, without the call
@@ -67,18 +66,15 @@ class Processes:
         self._notifier = notifier
         self._pulse, self._intervene = model.pulse, intervene
 
-    def __call__(self, state: State, born: LiveRows, end: float, ranges: Sequence[TickRange]) -> Iterator[LiveRows]:
-        """Play one block; yield the rows of those who have joined by each tick range and by its end, carried first.
-
-        A range ends half a tick late: a birth or death at its last tick has happened, whatever the queue's order.
-        """
+    def __call__(self, state: State, born: LiveRows, end: float, wakes: Sequence[float]) -> Iterator[LiveRows]:
+        """Play one block; yield the rows of those who have joined by each place and by its end, carried first."""
         env, live = self._env, self._live
         live.begin(state.live, born)
         if state.block == 0:
             self._begin(state.live)
         block_end = env.process(births(env, live, self._notifier, born, end))
-        for tick_range in ranges:
-            env.run(until=block_end if tick_range is ranges[-1] else until(env, tick_range.wake))
+        for wake in wakes:
+            env.run(until=block_end if wake == end else until(env, wake))
             yield live.rows()
         env.run(until=block_end)
         yield live.rows()

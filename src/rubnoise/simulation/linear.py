@@ -17,7 +17,7 @@ from rubnoise.model import Model, Separation, Slider
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.area import Drive, has_one_strength, sample
 from rubnoise.simulation.state import LiveRows
-from rubnoise.simulation.ticks import TickRange, cells_per_tick
+from rubnoise.simulation.ticks import cells_per_tick
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,13 +173,13 @@ class LinearMotion:
         self.state: Doubles = begin(model, live)
         self._gains = (constants.gains * units).reshape(self.state.size // 2, 2, len(drives), 3)
 
-    def through(self, rows: LiveRows, tick_range: TickRange) -> dict[str, Columns]:
+    def through(self, rows: LiveRows, ticks: range) -> dict[str, Columns]:
         """Move through the cells of a tick range; return the columns of /trace, /slider and /load at its ticks.
 
         rows: include every junction alive in it.
         """
         every, drives = self.cells_per_tick, self._constants.system.drives
-        columns, moments = sample(self._model, rows, tick_range, every, drives)
+        columns, moments = sample(self._model, rows, ticks, every, drives)
         trace, states = dict(columns), np.ascontiguousarray(self._moved(moments)[:, ::every])
         self.state = states[:, -1].copy()
         states = states[:, states.shape[1] - trace["distance"].size :]

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from heapq import heappop, heappush
 from itertools import count
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from numpy.typing import NDArray
 
@@ -83,18 +83,13 @@ class Notifier:
     def __init__(self, observer: Observer, end: float, *, two_way: bool = False) -> None:
         """Begin; nothing waits."""
         self._end, self._two_way = end, two_way
-        self._of_lives: dict[str, OnLife | None] = {name: getattr(observer, name) for name in _LIVES}
-        self._of_motion = {kind.value: getattr(observer, name) for name, kind in _MOTION.items()}
+        self.observer = observer
         self._waiting: list[tuple[float, int, OnLife, int]] = []
         self._order = count()
 
-    def watches(self, event: str) -> bool:
-        """Return whether the observer asks for births, mid-lives or deaths."""
-        return self._of_lives[event] is not None
-
-    def life(self, event: str, junction: int, distance: float) -> None:
+    def life(self, event: Literal["birth", "mid_life", "death"], junction: int, distance: float) -> None:
         """Report a birth, a mid-life or a death at its place in um."""
-        function = self._of_lives[event]
+        function: OnLife | None = getattr(self.observer, event)
         if function is None or distance > self._end:
             return
         if self._two_way:
@@ -107,7 +102,7 @@ class Notifier:
         names = ("kind", "time", "distance", "velocity")
         for kind, time, distance, velocity in zip(*(columns[name].tolist() for name in names), strict=True):
             self.reach(distance)
-            function = self._of_motion[kind]
+            function: OnMotion | None = getattr(self.observer, LandmarkKind(kind).name.lower())
             if function is not None:
                 function(time, distance, velocity)
 

@@ -25,7 +25,7 @@ from rubnoise.simulation.junctions import Processes
 from rubnoise.simulation.linear import LinearMotion, slider_constants
 from rubnoise.simulation.observer import Notifier, Observer
 from rubnoise.simulation.state import LiveRows, State, Watch, junction_columns
-from rubnoise.simulation.ticks import TickRange, tick_ranges
+from rubnoise.simulation.ticks import tick_ranges
 
 if TYPE_CHECKING:
     from rubnoise.simulation.two_way import TwoWayMotion
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 Ended = Callable[[Integers], Doubles]
 """Returns where each junction was ended early (um), given the junctions' numbers; infinite if it was not."""
 
-Play = Callable[[State, LiveRows, float, Sequence[TickRange]], Iterator[LiveRows]]
-"""An engine: plays a block from a state on, given its births, its end (um) and its tick ranges. It yields for each tick
-range all junctions alive in it, and then all rows, carried ones first."""
+Play = Callable[[State, LiveRows, float, Sequence[float]], Iterator[LiveRows]]
+"""An engine: plays a block from a state on, given its births, its end and the places where it is sampled, all in um. It
+yields at each place all junctions alive up to there, and then all rows, carried ones first."""
 
 
 def simulate(
@@ -114,40 +114,44 @@ class ContactRun:
         born, next_birth = draw_block(model, self._seed, state.block, state.next_birth, state.junctions)
         end = min(next_birth, model.distance)
         ranges = list(tick_ranges(model, state.ticks, next_birth, cells))
-        playing = self._play(state, born, end, ranges)
-        for tick_range in ranges:
-            self._write_ticks(tick_range, next(playing))
+        # Half a tick late: a birth or death at the last tick of a range has happened, whatever the queue's order.
+        wakes = [ticks[-1] * model.tick + 0.5 * model.tick for ticks in ranges]
+        wakes[-1:] = [end] if wakes else []
+        playing = self._play(state, born, end, wakes)
+        for ticks in ranges:
+            self._write_ticks(ticks, next(playing))
         rows = next(playing)
         if self._two_way is None:
             self._write_junctions(state, rows)
         else:
             self._two_way.through(rows, end)
-        ticks = ranges[-1].end if ranges else state.ticks
+        finished = ranges[-1].stop if ranges else state.ticks
         return State(
             block=state.block + 1,
             next_birth=next_birth,
             junctions=state.junctions + len(born),
-            ticks=ticks,
-            live=rows.at(np.flatnonzero(rows.death > (ticks - 1) * model.tick)),
+            ticks=finished,
+            live=rows.at(np.flatnonzero(rows.death > (finished - 1) * model.tick)),
         )
 
-    def _write_ticks(self, tick_range: TickRange, rows: LiveRows) -> None:
+    def _write_ticks(self, ticks: range, rows: LiveRows) -> None:
         """Sample a tick range, move what moves through it, and write its rows.
 
         Births beyond its last tick, of which one engine knows more than the other, are left out.
         """
-        rows = rows.at(slice(0, int(np.searchsorted(rows.birth, tick_range.last_distance, side="right"))))
+        last = ticks[-1] * self._model.tick
+        rows = rows.at(slice(0, int(np.searchsorted(rows.birth, last, side="right"))))
         if self._linear is None:
-            groups = {"trace": sample(self._model, rows, tick_range)[0]}
+            groups = {"trace": sample(self._model, rows, ticks)[0]}
         else:
-            groups = self._linear.through(rows, tick_range)
+            groups = self._linear.through(rows, ticks)
         for group, columns in groups.items():
-            self._sink.write(group, tick_range.first, columns)
+            self._sink.write(group, ticks.start, columns)
         if self._watch is not None:
             born = int(rows.junction[-1]) + 1 if len(rows) else 0
-            self._watch(tick_range.last_distance, born, int(groups["trace"]["junction_count"][-1]))
+            self._watch(last, born, int(groups["trace"]["junction_count"][-1]))
         if self._two_way is not None:
-            self._two_way.through(rows, tick_range.last_distance)
+            self._two_way.through(rows, last)
 
     def _write_junctions(self, state: State, rows: LiveRows) -> None:
         """Write the new rows, and rewrite those whose junction has been ended early since they were written."""
@@ -162,7 +166,7 @@ class ContactRun:
 
 
 def play_at_once(
-    state: State, born: LiveRows, end: float, ranges: Sequence[TickRange], ended: Ended | None = None
+    state: State, born: LiveRows, _end: float, wakes: Sequence[float], ended: Ended | None = None
 ) -> Iterator[LiveRows]:
     """Play a block without events: births and diameters already say which junctions live where.
 
@@ -172,12 +176,11 @@ def play_at_once(
     rows = state.live.then(born)
     if ended is not None:
         rows = replace(rows, departure=ended(rows.junction))
-    for tick_range in ranges:
+    for wake in wakes:
         known = rows
         if ended is not None:
             # For lives that were ended early, kernels use another method. So the end is hidden until the tick range
             # in which the processes would have it.
-            wake = end if tick_range is ranges[-1] else tick_range.wake
             known = replace(rows, departure=np.where(rows.departure > wake, np.inf, rows.departure))
         yield known
     yield rows

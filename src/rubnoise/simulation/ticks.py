@@ -2,7 +2,6 @@
 
 from cmath import sqrt
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import ceil, floor, hypot, log2
 
 from rubnoise.errors import Refused
@@ -98,31 +97,12 @@ LARGEST_TICK_RANGE = 294_912
 """Largest number of positions in a range. A thin contact, whose blocks are long, then needs no more memory."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TickRange:
-    """Ticks ``first`` ... ``end`` - 1, ``tick`` um apart."""
-
-    first: int
-    end: int
-    tick: float
-
-    @property
-    def last_distance(self) -> float:
-        """The distance of the last tick in um."""
-        return float(self.end - 1) * self.tick
-
-    @property
-    def wake(self) -> float:
-        """Where the events engine samples the range (um): half a tick late, after all events at its last tick."""
-        return self.last_distance + 0.5 * self.tick
-
-
-def tick_ranges(model: Model, begin: int, next_birth: float, cells_per_tick: int) -> Iterator[TickRange]:
+def tick_ranges(model: Model, begin: int, next_birth: float, cells_per_tick: int) -> Iterator[range]:
     """Yield the ranges of ticks from ``begin`` up to the next block's first birth (um) or the end of the run."""
     end = first_tick_at_or_after(model, next_birth)
     size = max(LARGEST_TICK_RANGE // cells_per_tick, 1)
     for first in range(begin, end, size):
-        yield TickRange(first=first, end=min(first + size, end), tick=model.tick)
+        yield range(first, min(first + size, end))
 
 
 def first_tick_at_or_after(model: Model, distance: float) -> int:

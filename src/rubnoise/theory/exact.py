@@ -1,5 +1,6 @@
 """All exact results for one model, in one frozen object."""
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from math import sqrt
@@ -7,8 +8,7 @@ from math import sqrt
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.distributions import Fixed
-from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.real_numbers import at_each
 from rubnoise.tables import as_html, fields_as_text, in_short
@@ -101,10 +101,10 @@ class Exact:
 
 def exact(model: Model) -> Exact:
     """Return the exact results for a model: cumulants of area and force, the live count, the one-way response."""
-    # The response is known by friction or over a base of equal triangles, and not if the contact is left.
-    slider = model.slider
-    base = slider is not None and slider.excitation == "base" and model.pulse == TRIANGLE
-    known = slider is not None and (slider.excitation == "friction" or (base and isinstance(model.sizes, Fixed)))
+    slider = None
+    if model.free is None:
+        with suppress(Refused):  # what else than friction or a base of equal triangles moves is not known
+            slider = response(model)
     return Exact(
         model=model,
         area=moments.area_cumulants(model),
@@ -117,5 +117,5 @@ def exact(model: Model) -> Exact:
         force=None if model.strengths is None else moments.force_cumulants(model),
         load=None if model.separation is None else load_motion(model),
         free=None if model.free is None else free_motion(model),
-        slider=response(model) if known and model.free is None else None,
+        slider=slider,
     )

@@ -161,14 +161,13 @@ def expected_periodogram(model: Model, tick: float, window: Doubles) -> tuple[Do
 
     P(k) = h |sum_j w_j (x_j - mean x) exp(-i k j h)|^2 / sum_j w_j^2 over n = len(window) ticks of h = ``tick`` um,
     two-sided like S(k), at k = 2 pi p / (n h), p = 0 ... n // 2: Welch's estimate, with aliases, leakage and the
-    removed mean. Raises Refused for a window of fewer than 2 ticks or none but zeros.
+    removed mean.
     Source: Priestley, Spectral Analysis and Time Series (1981), chapter 6.
     """
-    weights = _checked(window)
-    covariance = second_order.autocovariance(model, tick * np.arange(weights.size))
-    power = cross_spectrum(covariance, weights, 0).real
-    wavenumber = np.asarray(2.0 * pi * np.fft.rfftfreq(weights.size, tick), dtype=np.float64)
-    return wavenumber, np.maximum(tick / float(weights @ weights) * power, 0.0)
+    covariance = second_order.autocovariance(model, tick * np.arange(window.size))
+    power = cross_spectrum(covariance, window, 0).real
+    wavenumber = np.asarray(2.0 * pi * np.fft.rfftfreq(window.size, tick), dtype=np.float64)
+    return wavenumber, np.maximum(tick / float(window @ window) * power, 0.0)
 
 
 def through_window(density: Callable[[Doubles], Doubles], step: float, window: Doubles, last: int) -> Doubles:
@@ -176,11 +175,10 @@ def through_window(density: Callable[[Doubles], Doubles], step: float, window: D
 
     E[P(w_p)] = sum_q S_a(w_p - q/2 bins) |W_q|^2 / (2 n sum w^2), W the transform of the window padded to 2 n values,
     S_a(w) = sum_a S(|w + 2 pi a / h|): exact for covariances that end within n values of ``step`` h, to 8 bins of
-    leakage and two aliases; a mean that is subtracted changes bins 0 and 1. Raises Refused as above.
+    leakage and two aliases; a mean that is subtracted changes bins 0 and 1.
     """
-    weights = _checked(window)
-    n = weights.size
-    leaked = np.square(np.abs(np.fft.rfft(weights, 2 * n)))[: _LEAKS + 1] / (2.0 * n * float(weights @ weights))
+    n = window.size
+    leaked = np.square(np.abs(np.fft.rfft(window, 2 * n)))[: _LEAKS + 1] / (2.0 * n * float(window @ window))
     kernel = np.concatenate([leaked[:0:-1], leaked])
     places = np.pi / (n * step) * np.arange(1 - leaked.size, 2 * last + leaked.size, dtype=np.float64)
     turn = 2.0 * np.pi / step
@@ -188,19 +186,20 @@ def through_window(density: Callable[[Doubles], Doubles], step: float, window: D
     return np.convolve(folded, kernel, "valid")[::2]
 
 
-def _checked(window: Doubles) -> Doubles:
-    weights = np.asarray(window, dtype=np.float64)
-    if weights.ndim != 1 or weights.size < 2 or not weights.any():
-        raise Refused("a window needs at least 2 ticks in one row, and not all of them zero")
-    return weights
+def hann(ticks: int) -> Doubles:
+    """Return the Hann window sin^2(pi i / n) of n ticks, as an endless record would repeat it (scipy's sym=False)."""
+    return np.square(np.sin(np.pi * np.arange(ticks) / ticks))
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class EstimatedSpectrum:
-    """The expectation of Welch's method for the real contact area, and the standard error of one estimate.
+    """A spectral density as Welch's method shows it, estimated or expected, and the standard error of one estimate.
 
-    Two-sided ``density`` in um^4 per rad/um at ``wavenumber`` in rad/um, with aliases and leakage; ``standard_error``:
-    inf of a bin without power, nan if births are not Poisson or passes off the centre line; ``ticks`` of a segment.
+    ``density`` is the two-sided S(k) in the unit of the record squared per rad/um, for the real contact area um^4 per
+    rad/um, with aliases and leakage, at wavenumbers k = 2 pi i / (ticks * tick) >= 0 in rad/um. R(tau) = (1/2 pi) int S
+    e^(i k tau) dk over all k: a one-sided density per cycle/um is twice S at k = 2 pi f. ``standard_error`` of what
+    theory expects: inf of a bin without power, nan if births are not Poisson or passes off the centre line. ``ticks``
+    are those of one of the ``segments``.
     """
 
     ticks: int
@@ -224,14 +223,15 @@ def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpect
         raise Refused(f"ticks: {length!r:.40}: a segment has a whole number of ticks, such as 256")
     if not 2 <= length <= min(record, MOST_TICKS):
         raise Refused(f"a segment of {length} ticks: it has 2 to {min(record, MOST_TICKS)}, of a record of {record}")
-    window = np.square(np.sin(pi * np.arange(length) / length))
-    step = max(1, int(length) // 2)
+    window, step = hann(int(length)), max(1, int(length) // 2)
     count = (record - int(length)) // step + 1
     wavenumber, density = expected_periodogram(model, model.tick, window)
     errors = np.full(density.size, np.nan)
     if second_order.are_at_random(model) and model.pulse.offset == "none":
         errors = np.where(density > 0.0, density, 1.0) * welch_errors(model, window, count, step)
-    return EstimatedSpectrum(int(length), count, wavenumber, density, errors)
+    return EstimatedSpectrum(
+        ticks=int(length), segments=count, wavenumber=wavenumber, density=density, standard_error=errors
+    )
 
 
 def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Doubles:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Complexes, Doubles
-from rubnoise.contact.distributions import Law, parts_of
+from rubnoise.contact.distributions import Law, Mixture, leaves_of
 from rubnoise.model import Model
 
 Function = Callable[[Doubles], Any]
@@ -67,18 +67,11 @@ def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubl
     return nodes.reshape(shape), np.broadcast_to(half * w, nodes.shape).reshape(shape)
 
 
-def _leaves(law: Law) -> list[tuple[float, Law]]:
-    """Return the laws without parts of which a law is made, with their probabilities."""
-    if parts := parts_of(law):
-        return [(weight * share, leaf) for weight, part in parts for share, leaf in _leaves(part)]
-    return [(1.0, law)]
-
-
 @lru_cache(maxsize=64)
 def sizes_of(law: Law, per_factor: float = FINE) -> SizeRule:
     """Return diameters and probabilities with which averages of d^n g(d) are sums, n from 1 to 12, g smooth."""
     rules = []
-    for weight, leaf in _leaves(law):
+    for weight, leaf in leaves_of(law):
         low, high = size_range(leaf)
         inside, outside = leaf.density(np.array(leaf.support)), leaf.density(np.nextafter(leaf.support, (-inf, inf)))
         jumps = (outside == 0.0) & (inside > 0.0) & (np.array(leaf.support) > 0.0)
@@ -112,8 +105,8 @@ def _gauss(leaf: Law, panels_of_factor: float, fine: float, cuts: Doubles | None
 @lru_cache(maxsize=64)
 def size_range(law: Law) -> tuple[float, float]:
     """Return the diameters in um between which averages of d^n, n from 1 to 8, are taken; equal for one size."""
-    if parts := parts_of(law):
-        ends = [size_range(part) for _, part in parts]
+    if isinstance(law, Mixture):
+        ends = [size_range(part) for part in law.laws]
         return min(low for low, _ in ends), max(high for _, high in ends)
     low, high = law.support
     if high - low <= _NARROWEST * high:
@@ -142,7 +135,7 @@ def over_sizes(model: Model, unit: Function, power: int, x: Doubles) -> Doubles:
     if x.size > _AT_ONCE and sizes_of(model.sizes).diameter.size >= _FEWEST:
         return np.asarray(_table_over_sizes(model, unit, power)(x), dtype=np.float64)
     found = np.zeros(x.size)
-    for share, leaf in _leaves(model.sizes):
+    for share, leaf in leaves_of(model.sizes):
         for rows in np.array_split(np.arange(x.size), 1 + x.size // _AT_ONCE):
             some = x.ravel()[rows, None]
             diameter, probability = _gauss(leaf, _CUT_PANELS, 1.0, some * (0.5, 1.0))
