@@ -19,7 +19,7 @@ def _():
     import xarray as xr
 
     import rubnoise
-    from rubnoise.scenario.shipped import shipped
+    from rubnoise.scenario.layers import shipped
 
     return Path, atexit, h5py, mo, np, plt, rubnoise, shipped, tempfile, xr
 

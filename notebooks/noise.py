@@ -19,7 +19,7 @@ def _():
     import numpy as np
 
     import rubnoise
-    from rubnoise.scenario.shipped import shipped
+    from rubnoise.scenario.layers import shipped
 
     return Path, atexit, mo, np, plt, rubnoise, shipped, subprocess, sys, tempfile
 

@@ -23,7 +23,7 @@ from rubnoise.contact.distributions import Fixed, Law, Lognormal
 from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, Pulse
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.rows import MemoryRecord
 from rubnoise.simulation.draws import draw_block, extent, past, start
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import LiveRows, State

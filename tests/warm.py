@@ -99,11 +99,11 @@ def take_turns() -> None:
     """Make this process and its copies wait while another process that takes turns compiles."""
     from numba.core.dispatcher import Dispatcher  # which the process that distributes tests does not need
 
-    from rubnoise.cli import progress
+    from rubnoise.cli import terminal
 
     plain = Dispatcher.compile
     # Which test compiles what others then load is a matter of chance; what they print is not.
-    progress._say_compiling = lambda: None
+    terminal._say_compiling = lambda: None
 
     def compile_in_turn(dispatcher: Any, signature: Any) -> Any:
         if _kept(dispatcher, signature):

@@ -19,7 +19,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "src")]
 from rubnoise.analysis.comparison import compare  # noqa: E402
 from rubnoise.analysis.findings import FAMILY_WISE_ERROR, Comparison  # noqa: E402
 from rubnoise.model import Model  # noqa: E402
-from rubnoise.record.reader import MemoryRecord  # noqa: E402
+from rubnoise.record.rows import MemoryRecord  # noqa: E402
 from rubnoise.scenario import loads  # noqa: E402
 from rubnoise.simulation.draws import extent  # noqa: E402
 from rubnoise.simulation.run import simulate  # noqa: E402

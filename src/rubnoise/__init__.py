@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from rubnoise.analysis.findings import Comparison as Comparison
     from rubnoise.answer import Row as Row
-    from rubnoise.api.column_group import Columns as Columns
     from rubnoise.api.columns import Column as Column
+    from rubnoise.api.columns import Columns as Columns
     from rubnoise.api.estimates import Autocovariance as Autocovariance
     from rubnoise.api.estimates import PowerSpectrum as PowerSpectrum
     from rubnoise.api.fit import Inference as Inference
     from rubnoise.api.inferring import infer as infer
-    from rubnoise.api.junction import Junction as Junction
+    from rubnoise.api.run import Junction as Junction
     from rubnoise.api.run import Run as Run
     from rubnoise.api.run import open as open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.running import Record as Record
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from rubnoise.runs.verification import Verification as Verification
     from rubnoise.scenario import Scenario as Scenario
     from rubnoise.scenario.sweep import expand as expand
-    from rubnoise.simulation.intervention import LiveJunctions as LiveJunctions
+    from rubnoise.simulation.observer import LiveJunctions as LiveJunctions
     from rubnoise.simulation.observer import Observer as Observer
     from rubnoise.theory.ancestors import greenwood_williamson as greenwood_williamson
     from rubnoise.theory.exact import Exact as Exact
@@ -46,13 +46,11 @@ HOMES: Final = {
     "rubnoise.answer": ("Row",),
     "rubnoise.analysis.findings": ("Comparison",),
     "rubnoise.runs.verification": ("Verification",),
-    "rubnoise.api.column_group": ("Columns",),
-    "rubnoise.api.columns": ("Column",),
+    "rubnoise.api.columns": ("Column", "Columns"),
     "rubnoise.api.estimates": ("Autocovariance", "PowerSpectrum"),
     "rubnoise.api.fit": ("Inference",),
     "rubnoise.api.inferring": ("infer",),
-    "rubnoise.api.junction": ("Junction",),
-    "rubnoise.api.run": ("Run", "open"),
+    "rubnoise.api.run": ("Junction", "Run", "open"),
     "rubnoise.api.running": ("Record", "exact", "run", "simulate"),
     "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),
     "rubnoise.api.surface": ("Surface",),
@@ -63,8 +61,7 @@ HOMES: Final = {
     "rubnoise.record.rows": ("JunctionState",),
     "rubnoise.scenario": ("Scenario",),
     "rubnoise.scenario.sweep": ("expand",),
-    "rubnoise.simulation.intervention": ("LiveJunctions",),
-    "rubnoise.simulation.observer": ("Observer",),
+    "rubnoise.simulation.observer": ("LiveJunctions", "Observer"),
     "rubnoise.theory.ancestors": ("greenwood_williamson",),
     "rubnoise.theory.exact": ("Exact",),
 }

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.selection import Neighbours
+from rubnoise.analysis.junctions import Neighbours
 from rubnoise.errors import Refused
 from rubnoise.figures import contact
 from rubnoise.figures.catalogue import drawing

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.landmarks import Flights
+from rubnoise.analysis.motion import Flights
 from rubnoise.errors import Refused
 from rubnoise.figures.catalogue import PICTURES, drawing
 from rubnoise.figures.tracks import Stretch

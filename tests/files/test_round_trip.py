@@ -12,8 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rubnoise.model import Model
-from rubnoise.record.reader import MemoryRecord
-from rubnoise.record.sink import Tee
+from rubnoise.record.rows import MemoryRecord, Tee
 from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.layout import RunDescription, expected_bytes, features_of, row_count, stored_groups

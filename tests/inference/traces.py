@@ -9,7 +9,7 @@ from rubnoise.contact.distributions import Law
 from rubnoise.contact.laws import LAWS
 from rubnoise.inference.signal import Signal
 from rubnoise.model import Model
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.rows import MemoryRecord
 from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened

@@ -15,7 +15,7 @@ from rubnoise.analysis.moments import WORTH_A_WARNING
 from rubnoise.arrays import Doubles
 from rubnoise.figures.tracks import Stretch
 from rubnoise.model import Model
-from rubnoise.pages.report_words import in_words
+from rubnoise.pages.report import in_words
 from rubnoise.scenario import Scenario
 from rubnoise.simulation import draws
 from rubnoise.theory.moments import area_cumulants

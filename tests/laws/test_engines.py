@@ -19,8 +19,7 @@ from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build
 from rubnoise.simulation import draws, ticks
 from rubnoise.simulation.draws import Engine
-from rubnoise.simulation.intervention import LiveJunctions
-from rubnoise.simulation.observer import Observer
+from rubnoise.simulation.observer import LiveJunctions, Observer
 from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import cells_per_tick
 from tests.models import contents, model, recorded

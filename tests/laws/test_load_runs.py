@@ -18,7 +18,7 @@ from rubnoise.analysis.moments import forgetting
 from rubnoise.analysis.spectra import heard_bands
 from rubnoise.contact.distributions import Lognormal
 from rubnoise.model import Model, Slider
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.rows import MemoryRecord
 from rubnoise.simulation import draws, run
 from rubnoise.simulation import linear as engine
 from rubnoise.simulation.run import simulate

@@ -16,7 +16,7 @@ from rubnoise.analysis.measured import Measured
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, PARABOLA, Pulse, area_of
 from rubnoise.model import Model, Slider
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.rows import MemoryRecord
 from rubnoise.scenario import load
 from rubnoise.simulation import draws
 from rubnoise.simulation.run import simulate

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model, Slider
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.rows import MemoryRecord
 from tests.laws.scores import seed_of
 from tests.laws.test_observer import ends
 from tests.models import FIG5_SLIDER, UNEQUAL, model, recorded

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import Comparison
+from rubnoise.analysis.motion import Balance
 from rubnoise.answer import Row
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model, Slider

@@ -10,8 +10,8 @@ import rubnoise
 from rubnoise.inference.signal import autocovariance as sample_autocovariance
 from rubnoise.inference.signal import half_width_of
 from rubnoise.lesson.page import LAWS, readings
+from rubnoise.scenario.layers import shipped
 from rubnoise.scenario.reading import load
-from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.second_order import area_noise, count_noise
 from tests.laws.scores import seed_of
 from tests.lesson.node import answer, lessons, scenario_of, world_with

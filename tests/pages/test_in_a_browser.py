@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.pages.statistics import CELLS
+from rubnoise.pages.run_view import PLANE_CELLS
 from tests.lesson import walk as lesson
 from tests.lesson.walk import painted, until
 from tests.pages.test_reports import page_of
@@ -229,7 +229,7 @@ def test_the_statistics_of_the_whole_run_are_those_of_its_columns(browser: Any, 
         assert counts == np.histogram(area, len(counts), (area.min(), area.max()))[0].tolist()
         plane = page.evaluate("Array.from(view.unpacked(view.data.statistics.phase.counts))")
         ends = ((x.min(), x.max()), (v.min(), v.max()))
-        assert plane == np.histogram2d(x, v, CELLS, ends)[0].T.ravel().tolist()
+        assert plane == np.histogram2d(x, v, PLANE_CELLS, ends)[0].T.ravel().tolist()
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from paper.ledger import LEDGERS, Claim, Claimed, Ledger, Number, Source, as_row
 import rubnoise
 from paper import pages
 from rubnoise.analysis.replicates import PooledEstimate
-from rubnoise.scenario.shipped import shipped
+from rubnoise.scenario.layers import shipped
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.second_order import spectral_density
 from tests.architecture.sources import ROOT

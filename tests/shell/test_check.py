@@ -10,7 +10,7 @@ import rubnoise
 from rubnoise.scenario import loads
 from rubnoise.scenario.document import SECTIONS, Sweeping
 from rubnoise.scenario.fields import keys_of
-from rubnoise.scenario.shipped import shipped
+from rubnoise.scenario.layers import shipped
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 from rubnoise.scenario.written import template
 from rubnoise.storage import forecast

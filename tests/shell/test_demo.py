@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.cli.demo import FILES
+from rubnoise.cli.make import FILES
 from tests.shell.terminal import call
 
 pytestmark = pytest.mark.slow

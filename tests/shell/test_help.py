@@ -13,9 +13,8 @@ from typing import get_type_hints
 import pytest
 
 import rubnoise
-from rubnoise.cli import info, version
-from rubnoise.cli.app import COMMANDS, EARLIER, INSTEAD, program
-from rubnoise.cli.version import commit_of_checkout, version_line
+from rubnoise.cli import app, ask
+from rubnoise.cli.app import COMMANDS, EARLIER, INSTEAD, commit_of_checkout, program, version_line
 from tests.architecture.sources import ROOT
 from tests.shell.terminal import Answer, call, spawn
 
@@ -151,8 +150,8 @@ def test_a_package_that_pip_made_of_a_commit_names_it(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, origin: str | None, shown: str
 ) -> None:
     installed = SimpleNamespace(read_text=lambda name: origin if name == "direct_url.json" else None)
-    monkeypatch.setattr(version, "distribution", lambda _name: installed)
-    monkeypatch.setattr(version, "PACKAGE", tmp_path / "site-packages" / "rubnoise")
+    monkeypatch.setattr(app, "distribution", lambda _name: installed)
+    monkeypatch.setattr(app, "PACKAGE", tmp_path / "site-packages" / "rubnoise")
     assert version_line() == f"rubnoise {rubnoise.__version__}{shown}"
 
 
@@ -192,7 +191,7 @@ def test_what_nobody_foresaw_is_a_line_too(
     here: Path, monkeypatch: pytest.MonkeyPatch, problem: Exception, line: str
 ) -> None:
     assert call("run", "../given/contact.toml").code == 0
-    monkeypatch.setattr(info, "run_answer", failing(problem))
+    monkeypatch.setattr(ask, "run_answer", failing(problem))
     answer = call("info", "contact.h5")
     assert (answer.code, answer.out, answer.err) == (1, "", f"{line}\n")
     assert "in fail" in call("info", "contact.h5", "--debug").err

@@ -79,7 +79,7 @@ def test_a_scenario_sets_the_knobs(here: Path) -> None:
 
 
 def test_a_slider_that_pushes_back_does_so_on_the_page(here: Path) -> None:
-    from rubnoise.scenario.shipped import shipped
+    from rubnoise.scenario.layers import shipped
 
     assert call("teach", str(shipped("paper/fig5_two_way.toml")), "-o", "page.html").code == 0
     assert data_of(here / "page.html")["world"]["coupling"] == "two-way"  # type: ignore[index]

@@ -17,7 +17,7 @@ import pytest
 
 from rubnoise.answer import Answer, Table
 from rubnoise.api.surface import Surface
-from rubnoise.cli.surface import answer_of
+from rubnoise.cli.measure import answer_of
 from tests.architecture.sources import ROOT
 from tests.shell.terminal import CONTACT, WITH_SLIDER, call
 from tests.shell.terminal import ROW as ROW_FIELDS

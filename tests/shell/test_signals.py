@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.cli.progress import SIGNALS, stoppable
+from rubnoise.cli.terminal import SIGNALS, stoppable
 from rubnoise.errors import RunStopped
 from tests.shell.terminal import LONG, begin, call, names, spawn_program, stop
 
@@ -21,7 +21,7 @@ SHORT = ("--set", "sliding.distance=3 mm", "--set", "output.tick=1 um")
 # A signal in the middle of a long run: gone within a second, and nothing is left.
 TWICE = """
 import signal
-from rubnoise.cli.progress import bar
+from rubnoise.cli.terminal import bar
 with bar(shown=False) as watch:
     watch(0.0, 1.0, "")
     signal.raise_signal(signal.SIGINT)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.cli.progress import SIGNALS
+from rubnoise.cli.terminal import SIGNALS
 from rubnoise.scenario.sweep import expand, load_sweep
 from tests.shell.tampered import SLOW, TABLE, begin_sweep, runs_of
 from tests.shell.terminal import CONTACT, call, columns, spawn, spawn_program
@@ -181,7 +181,7 @@ def test_a_signal_stops_a_sweep_that_can_be_resumed(file: Path, number: signal.S
 
 BEFORE = """
 import signal
-from rubnoise.cli.progress import bar
+from rubnoise.cli.terminal import bar
 signal.signal(signal.SIGINT, signal.SIG_DFL)
 with bar(shown=False):
     signal.raise_signal(signal.{name})

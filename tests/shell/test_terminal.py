@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 import rubnoise
 from rubnoise.cli.app import COMMANDS, escaped, escaping
-from rubnoise.cli.progress import bar
+from rubnoise.cli.terminal import bar
 from rubnoise.storage.reader import open_run
 from tests.files.runs import attempt
 from tests.shell.terminal import (

@@ -11,11 +11,9 @@ from scipy.special import erfc, ndtri
 
 import rubnoise
 from rubnoise.scenario import loads
-from rubnoise.surface.gaussian import GaussianContact, half_width
-from rubnoise.surface.height_map import HeightMap, without_form
-from rubnoise.surface.normal_motion import filtered_variance
+from rubnoise.surface.gaussian import GaussianContact, filtered_variance, half_width
+from rubnoise.surface.height_map import HeightMap, Waves, self_affine, without_form
 from rubnoise.surface.sliding import SlidingContact, patches
-from rubnoise.surface.waves import Waves, self_affine
 from rubnoise.theory.coupling import load_motion, overlap_scale
 from tests.oracle.sliding_surfaces import areas_at, heights_at, patch_counts, slid
 from tests.shell.terminal import call

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import rubnoise
 from rubnoise import arrays
-from rubnoise.analysis.selection import gather, select
+from rubnoise.analysis.junctions import gather, select
 from rubnoise.analysis.where import LONGEST, Condition, ConditionRefused
 from rubnoise.storage.format import LIBRARY_VERSIONS, complete, compose
 from rubnoise.storage.reader import RunFile, open_run

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.landmarks import Sticks
+from rubnoise.analysis.motion import Balance, Sticks
 from rubnoise.model import Slider
 from rubnoise.record.rows import LandmarkKind
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.life import Life, life_of
+from rubnoise.analysis.junctions import Life, life_of
 from rubnoise.api.run import Run
 from rubnoise.contact.pulses import LENS
 from rubnoise.errors import Refused, RunFileRefused

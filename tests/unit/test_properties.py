@@ -19,7 +19,7 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, PULSES
 from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model, Slider
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.rows import MemoryRecord
 from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build, loads
 from rubnoise.scenario.text import read_toml

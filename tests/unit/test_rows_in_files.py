@@ -9,7 +9,7 @@ import pytest
 import rubnoise
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import RunFileRefused
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.rows import MemoryRecord
 from rubnoise.scenario.reading import stored
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve
 

@@ -11,7 +11,7 @@ from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio
 from rubnoise.cli.theory_answer import theory_answer
 from rubnoise.scenario import Scenario
-from rubnoise.scenario.shipped import shipped
+from rubnoise.scenario.layers import shipped
 from rubnoise.scenario.sweep import Sweep, load_sweep, points_of
 from rubnoise.theory.exact import Exact
 from tests.architecture.sources import ROOT

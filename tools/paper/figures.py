@@ -11,9 +11,9 @@ from rubnoise.api.running import simulate
 from rubnoise.errors import Refused
 from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style
 from rubnoise.figures.tracks import Stretch
-from rubnoise.record.reader import Reader
+from rubnoise.record.rows import Reader
 from rubnoise.scenario import Scenario, load
-from rubnoise.scenario.shipped import shipped
+from rubnoise.scenario.layers import shipped
 from rubnoise.scenario.sweep import Point, expand, load_sweep
 from rubnoise.storage.output import check_output, whole_file
 

@@ -18,7 +18,7 @@ from paper.quantities import QUANTITIES, Band, Quantity, Run
 from rubnoise.analysis.replicates import PooledEstimate, estimate, ratio
 from rubnoise.api.running import simulate
 from rubnoise.model import Model
-from rubnoise.scenario.shipped import shipped
+from rubnoise.scenario.layers import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
 
 LEDGERS: Final = {name: Path(__file__).with_name(f"{name}.toml") for name in ("paper", "field")}

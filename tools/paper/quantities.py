@@ -14,8 +14,7 @@ from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.distributions import Fixed
 from rubnoise.inference.signal import autocovariance as sample_autocovariance
 from rubnoise.model import Model
-from rubnoise.record.reader import Reader
-from rubnoise.record.rows import ContactKind
+from rubnoise.record.rows import ContactKind, Reader
 from rubnoise.theory.exact import exact
 from rubnoise.theory.moments import area_cumulants, force_cumulants
 from rubnoise.theory.motion import response

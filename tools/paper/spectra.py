@@ -14,7 +14,7 @@ from rubnoise.api.running import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.figures.style import BLUE, CONFIDENCE, INK, SERIES, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
-from rubnoise.record.reader import Reader
+from rubnoise.record.rows import Reader
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sampling import EstimatedSpectrum, standard_errors
 from rubnoise.theory.second_order import spectral_density

@@ -25,7 +25,7 @@ from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.distributions import Fixed
 from rubnoise.contact.laws import Spread, law_for
 from rubnoise.model import Model
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.rows import MemoryRecord
 from rubnoise.scenario import load
 from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate

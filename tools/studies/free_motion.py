@@ -23,8 +23,7 @@ from scipy.special import stdtr
 
 from rubnoise.analysis.findings import normal_deviate
 from rubnoise.model import Model, Separation
-from rubnoise.record.reader import MemoryRecord
-from rubnoise.record.rows import ContactKind
+from rubnoise.record.rows import ContactKind, MemoryRecord
 from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.coupling import level as decibels

@@ -18,7 +18,7 @@ import numpy as np
 from parts import fill, table
 
 import rubnoise
-from rubnoise.analysis.landmarks import Sticks
+from rubnoise.analysis.motion import Sticks
 from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.figures.tracks import Stretch
 from rubnoise.storage.reader import RunFile, open_run

@@ -10,12 +10,12 @@ from typing import Final
 import numpy as np
 
 from rubnoise.analysis import findings
-from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.births import births, marks, scattered, start, sums
 from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
 from rubnoise.analysis.findings import LARGEST_ERROR, LARGEST_TAIL_SKEWNESS
 from rubnoise.analysis.measured import STRETCHES, UNITS, MeasuredRun, measured_run
 from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, decay, needed_for_mean, over_ticks
+from rubnoise.analysis.motion import Balance
 from rubnoise.analysis.records import longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
 from rubnoise.analysis.spectra import Band, band_powers, half_of
@@ -23,7 +23,7 @@ from rubnoise.answer import Row, left_out
 from rubnoise.contact.distributions import Fixed
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model
-from rubnoise.record.reader import Rows
+from rubnoise.record.rows import Rows
 from rubnoise.theory.moments import area_cumulants, distribution, force_cumulants, zero_share
 from rubnoise.theory.sampling import expected_periodogram, hann, mean_force_error
 from rubnoise.theory.second_order import area_noise, autocovariance, need_random_births

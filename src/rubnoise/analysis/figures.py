@@ -13,10 +13,10 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.analysis import findings
-from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.findings import SKEWNESS, judged, tail_of
 from rubnoise.analysis.measured import Measured, MeasuredRun
 from rubnoise.analysis.moments import FEWEST_LIVES, over_ticks, settled
+from rubnoise.analysis.motion import Balance
 from rubnoise.answer import Row
 from rubnoise.contact.births import RegularBirths
 from rubnoise.figure_names import FIGURE_NAMES, unit_of

@@ -11,11 +11,11 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.findings import UniformSample
+from rubnoise.analysis.junctions import checked_chunks
 from rubnoise.analysis.moments import forgetting, settled
+from rubnoise.analysis.motion import Balance
 from rubnoise.analysis.records import CovarianceSum
-from rubnoise.analysis.selection import checked_chunks
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
@@ -24,9 +24,7 @@ from rubnoise.contact.pulses import area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.moments import WATCHED, Moments, Slips
-from rubnoise.record.reader import Rows
-from rubnoise.record.rows import JunctionState, LandmarkKind
-from rubnoise.record.sink import Columns
+from rubnoise.record.rows import Columns, JunctionState, LandmarkKind, Rows
 from rubnoise.storage.schema import GROUPS
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sizes import longest_life

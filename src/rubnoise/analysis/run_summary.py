@@ -19,7 +19,7 @@ from rubnoise.analysis.spectra import band_powers, bands_of
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.sink import Columns
+from rubnoise.record.rows import Columns
 from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.theory.sampling import expected_periodogram, hann
 from rubnoise.theory.second_order import are_at_random, area_noise, autocovariance, spectral_density

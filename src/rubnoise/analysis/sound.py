@@ -15,7 +15,7 @@ from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles, slices
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
-from rubnoise.record.reader import Reader
+from rubnoise.record.rows import Reader
 from rubnoise.scenario.reading import stored
 from rubnoise.storage.sound import check_length
 

@@ -15,7 +15,7 @@ from rubnoise.answer import Table
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.reader import Rows, column_chunks
+from rubnoise.record.rows import Rows, column_chunks
 from rubnoise.theory.coupling import THIRD, band_numbers, level, third_octaves
 from rubnoise.theory.sampling import EstimatedSpectrum, hann
 from rubnoise.theory.sizes import COARSE, sizes_of

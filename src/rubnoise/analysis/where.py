@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import Refused, did_you_mean
-from rubnoise.record.sink import Columns
+from rubnoise.record.rows import Columns
 from rubnoise.scenario.text import Place, Problem
 from rubnoise.storage.schema import JUNCTIONS, Dataset
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity

@@ -8,11 +8,10 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from rubnoise.analysis.spectra import SEGMENTS, welch
-from rubnoise.api.column_group import SHORT, Table
-from rubnoise.api.columns import Column, with_units
+from rubnoise.api.columns import SHORT, Column, Table, with_units
+from rubnoise.arrays import number_in
 from rubnoise.errors import Refused, advised, did_you_mean
 from rubnoise.figures import Figure
-from rubnoise.real_numbers import number_in
 from rubnoise.units import LENGTH, TIME
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ import numpy as np
 
 from rubnoise.api import keywords
 from rubnoise.api.fit import Inference
-from rubnoise.api.given_columns import sampled
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
+from rubnoise.api.trace import sampled
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
@@ -22,7 +22,7 @@ from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, InferenceResult, infer_signal
 from rubnoise.inference.signal import Signal, clipped, digits, joined
 from rubnoise.model import Model
-from rubnoise.record.reader import MemoryRecord
+from rubnoise.record.rows import MemoryRecord
 from rubnoise.regular_file import is_hdf5
 from rubnoise.simulation.draws import extent
 from rubnoise.simulation.run import simulate

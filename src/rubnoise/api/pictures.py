@@ -12,14 +12,14 @@ import rubnoise
 from rubnoise.analysis.measured import UNITS
 from rubnoise.analysis.sound import Heard
 from rubnoise.api import keywords
-from rubnoise.api.column_group import SHORT
+from rubnoise.api.columns import SHORT
 from rubnoise.api.trace import Trace
+from rubnoise.arrays import number_in
 from rubnoise.errors import Refused, advised, did_you_mean, naming
 from rubnoise.figures import Axes, Figure, Kind, style
 from rubnoise.figures.catalogue import AS_IT_IS, HEARD, OVERLAID, PICTURES, Appearance, drawing
 from rubnoise.figures.style import NARROW, STYLES
 from rubnoise.figures.tracks import QUANTITIES, Stretch
-from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import is_hdf5
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 

@@ -14,8 +14,7 @@ from rubnoise.errors import Refused
 from rubnoise.runs.making import KeptRun, describe, play
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.draws import Engine, extent
-from rubnoise.simulation.intervention import Intervention, name_of
-from rubnoise.simulation.observer import Observer
+from rubnoise.simulation.observer import Intervention, Observer, name_of
 from rubnoise.simulation.run import check_guests
 from rubnoise.simulation.run import simulate as run_model
 from rubnoise.simulation.state import Watch

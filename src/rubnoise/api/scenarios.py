@@ -5,16 +5,15 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from rubnoise.api.keywords import LARGEST, SMALLEST, shown
+from rubnoise.arrays import check_unit
 from rubnoise.errors import NoColumn, Refused, ScenarioRefused, refusing_files
-from rubnoise.real_numbers import check_unit
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario
 from rubnoise.scenario import build as build_scenario
 from rubnoise.scenario import load as load_file
 from rubnoise.scenario.fields import MOST
-from rubnoise.scenario.layers import override_value
+from rubnoise.scenario.layers import named, override_value, shipped_names
 from rubnoise.scenario.reading import in_full
-from rubnoise.scenario.shipped import named, shipped_names
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep import load_sweep as load_sweep_file
 from rubnoise.units import LENGTH, unit_or_one
@@ -80,7 +79,7 @@ def example(name: str) -> Scenario:
     >>> rubnoise.example("paper/fig5").title
     'Figure 5: excitation force and vibration'
     """
-    from rubnoise.scenario.shipped import shipped
+    from rubnoise.scenario.layers import shipped
 
     return load_file(shipped(os.fspath(_path(name))))
 

@@ -10,15 +10,14 @@ from typing import Any, Self
 import numpy as np
 
 from rubnoise.api import keywords
-from rubnoise.api.given_columns import with_unit
 from rubnoise.api.notebook import Displayed, Overview
+from rubnoise.api.trace import with_unit
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.storage.output import whole_file
 from rubnoise.storage.scan import Scan, Told, from_topography, length_scale, read_scan, write_scan
-from rubnoise.surface.height_map import FORMS, HeightMap, check_sense, without_form
+from rubnoise.surface.height_map import FORMS, HeightMap, Waves, band_limited, check_sense, self_affine, without_form
 from rubnoise.surface.sliding import SlidingContact
-from rubnoise.surface.waves import Waves, band_limited, self_affine
 from rubnoise.units import FORCE, LENGTH, STRESS
 
 

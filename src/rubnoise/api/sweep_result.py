@@ -11,15 +11,14 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.column_group import Table
-from rubnoise.api.columns import Column
+from rubnoise.api.columns import Column, Table
 from rubnoise.api.notebook import DataFrame, Dataset, Displayed, Overview
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
+from rubnoise.arrays import number_in
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.figure_names import FAILED, STATES
 from rubnoise.figures import Figure, Style
-from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import ABOUT, file_of, name_in, scenario_in
 from rubnoise.storage.index import Index, read_index

@@ -1,5 +1,5 @@
-"""The command line: one file for a command or two, with their options, their JSON and the text that they print.
+"""The command line: a file for one command or a few, with their options, their JSON and the text that they print.
 
-Begin with `app`, which maps each command to its function, and then read one command, such as `info`.
-`options`, `vocabulary`, `layout`, `progress`, `loading` and `derivation` hold what several commands share.
+Begin with `app`, which maps each command to its function, and then read one command, such as `info` in `ask`.
+`terminal`, `vocabulary`, `loading` and `derivation` hold what several commands share.
 """

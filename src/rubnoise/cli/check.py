@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from rubnoise.answer import Answer, Table, rows
-from rubnoise.cli.layout import sentence, show
-from rubnoise.cli.options import AsCsv, AsJson, Changes, argument, option
+from rubnoise.cli.terminal import AsCsv, AsJson, Changes, argument, option, sentence, show
 from rubnoise.cli.vocabulary import UNITS
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError
 
@@ -120,7 +119,7 @@ def _sweep_answer(sweep: "Sweep", title: str, *, warned: bool) -> Answer:
 
 def shipped_scenarios(incomplete: str) -> list[str]:
     """Return the shipped scenarios whose names begin with a text, for completion in shells."""
-    from rubnoise.scenario.shipped import shipped_names
+    from rubnoise.scenario.layers import shipped_names
 
     return [name for name in shipped_names() if name.startswith(incomplete)]
 
@@ -168,7 +167,7 @@ def examples() -> None:
 
     Example: rubnoise examples
     """
-    from rubnoise.scenario.shipped import shipped_titles
+    from rubnoise.scenario.layers import shipped_titles
 
     titles = shipped_titles()
     width = max(map(len, titles), default=0)

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from rubnoise.answer import Answer, Row, Table, printable, rows
-from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsCsv, AsJson, ReplacePlot, ResultFile, argument, flag, option
 from rubnoise.cli.plot import check_picture, check_plot, write_picture
+from rubnoise.cli.terminal import AsCsv, AsJson, ReplacePlot, ResultFile, argument, flag, option, show
 from rubnoise.cli.vocabulary import UNITS, fields_of, named
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.life import Life
-    from rubnoise.record.reader import Reader
+    from rubnoise.analysis.junctions import Life
+    from rubnoise.record.rows import Reader
     from rubnoise.storage.schema import Dataset
 
 _ROWS_SHOWN: Final = 20  # as text by default
@@ -60,7 +59,7 @@ def junctions(
 
     Example: rubnoise junctions fig5.h5 --where "diameter > 6 um" --sort life_distance --head 10
     """
-    from rubnoise.analysis.life import life_of
+    from rubnoise.analysis.junctions import life_of
     from rubnoise.api.run import Run
     from rubnoise.cli.loading import finished_run
 
@@ -111,7 +110,7 @@ def _listed(
     ``as_csv``: with the units in the names of columns, as in max_area_um2, and states as numbers. Raises Refused for an
     invalid condition and an unknown column.
     """
-    from rubnoise.analysis.selection import gather, select
+    from rubnoise.analysis.junctions import gather, select
     from rubnoise.analysis.where import Condition
     from rubnoise.storage.export import heading
     from rubnoise.storage.schema import JUNCTIONS

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import rubnoise
 from rubnoise.api.scenarios import Loaded, read_by
-from rubnoise.cli.options import NUMBER
+from rubnoise.cli.terminal import NUMBER
 from rubnoise.errors import Refused, naming
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario, load

@@ -10,7 +10,7 @@ import typer
 
 import rubnoise
 from rubnoise.answer import printable
-from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
+from rubnoise.cli.terminal import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart, argument, flag, option
 from rubnoise.errors import naming, refusing_files
 from rubnoise.figures import Figure, Kind
 from rubnoise.regular_file import is_folder
@@ -140,7 +140,7 @@ def distance(option: str, text: str | None) -> float | None:
 
     Raises Refused, naming the option, if it is not a length.
     """
-    from rubnoise.real_numbers import number_in
+    from rubnoise.arrays import number_in
     from rubnoise.units import LENGTH, NUMBER
 
     if text is None:

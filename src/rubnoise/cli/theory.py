@@ -5,9 +5,8 @@ from typing import Annotated
 
 import typer
 
-from rubnoise.cli.layout import show
-from rubnoise.cli.options import AsCsv, AsJson, Changes, ReplacePlot, argument, flag, option
 from rubnoise.cli.plot import check_picture, check_plot, write_picture
+from rubnoise.cli.terminal import AsCsv, AsJson, Changes, ReplacePlot, argument, flag, option, show
 from rubnoise.errors import Refused
 
 Numbers = list[str] | None

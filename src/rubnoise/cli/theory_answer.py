@@ -11,7 +11,7 @@ import numpy as np
 from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.arrays import Doubles
 from rubnoise.cli.derivation import ONE_WAY_ALONE, load_notes, load_rows, motion_rows, motion_warnings
-from rubnoise.cli.options import NUMBER
+from rubnoise.cli.terminal import NUMBER
 from rubnoise.cli.vocabulary import UNITS, fields_of, named
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused, naming

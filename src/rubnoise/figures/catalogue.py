@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
-from rubnoise.analysis.life import Life
+from rubnoise.analysis.junctions import Life
 from rubnoise.analysis.sound import Heard
 from rubnoise.arrays import Doubles
 from rubnoise.figures import Axes, Figure, Kind, Style, pictures, style

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.selection import Neighbours, neighbours
+from rubnoise.analysis.junctions import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures import Axes, Figure

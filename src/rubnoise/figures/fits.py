@@ -10,8 +10,8 @@ from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, as_bytes, house_
 from rubnoise.inference.estimates import NAMES
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.inference.signal import autocovariance as sample_autocovariance
+from rubnoise.surface.height_map import Waves
 from rubnoise.surface.sliding import SlidingContact
-from rubnoise.surface.waves import Waves
 from rubnoise.tables import as_html
 from rubnoise.theory.second_order import autocovariance
 from rubnoise.web_page import report_page

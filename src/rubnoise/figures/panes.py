@@ -11,8 +11,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.landmarks import Flights
-from rubnoise.analysis.selection import Neighbours, first_row
+from rubnoise.analysis.junctions import Neighbours, first_row
+from rubnoise.analysis.motion import Flights
 from rubnoise.analysis.spectra import shared_variance, welch
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused

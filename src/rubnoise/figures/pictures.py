@@ -7,10 +7,9 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from rubnoise.analysis.landmarks import Flights, Sticks
-from rubnoise.analysis.life import Life
+from rubnoise.analysis.junctions import Life, Neighbours, neighbours
 from rubnoise.analysis.moments import covariance_errors
-from rubnoise.analysis.selection import Neighbours, neighbours
+from rubnoise.analysis.motion import Flights, Sticks
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.errors import Refused

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.figures import expected_figure
-from rubnoise.analysis.landmarks import Flights, Sticks
-from rubnoise.analysis.selection import first_row
+from rubnoise.analysis.junctions import first_row
+from rubnoise.analysis.motion import Flights, Sticks
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, naming
 from rubnoise.figures.style import shortened
 from rubnoise.model import Model, Slider
-from rubnoise.record.reader import Reader, chunks, column_chunks
+from rubnoise.record.rows import Reader, chunks, column_chunks
 from rubnoise.scenario.reading import stored
 from rubnoise.theory.ancestors import white_spectrum
 from rubnoise.theory.moments import area_cumulants

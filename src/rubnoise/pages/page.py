@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, Final
 
-from rubnoise.record.reader import Reader
+from rubnoise.record.rows import Reader
 from rubnoise.web_page import filled, part, script_parts, web_page
 
 HERE: Final = "rubnoise.pages"

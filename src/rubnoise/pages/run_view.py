@@ -1,29 +1,176 @@
-"""The data of a run in its page: every life, every tick of a stretch, and the lowest and highest values elsewhere.
+"""The data of a run in its page: every life, every tick of a stretch, extremes elsewhere, and statistics."""
 
-A life is eight bytes, so a page holds the lives of a million junctions, and sums their areas at the place in view. It
-holds each tick between two sliding distances, and the extremes of each curve of the whole run in some thousand cells.
-"""
-
-from math import ceil, log10
+from collections.abc import Callable
+from math import ceil, inf, log10
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rubnoise.analysis.landmarks import Flights, Sticks
-from rubnoise.analysis.selection import neighbours
+from rubnoise.analysis.junctions import check_numbers, gather, neighbours
+from rubnoise.analysis.motion import Flights, Sticks
+from rubnoise.analysis.spectra import welch
+from rubnoise.arrays import Doubles
+from rubnoise.contact.pulses import half_life
 from rubnoise.errors import Refused
-from rubnoise.figures.tracks import Stretch, lowest_and_highest
+from rubnoise.figures.tracks import Stretch, Track, lowest_and_highest
 from rubnoise.model import Model
-from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import last_time, page
-from rubnoise.pages.statistics import statistics
-from rubnoise.record.reader import Reader
-from rubnoise.record.rows import LandmarkKind
+from rubnoise.record.rows import LandmarkKind, Reader, Rows, column_chunks
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
-from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.units import KINDS, USUAL_UNITS
 from rubnoise.web_page import packed
 
+OWN: Final = ("diameter", "lateral_offset", "shear_strength")
+OWN_OF_TOUCHES: Final = ("max_area", "max_overlap")
+"""Columns of a touch that do not follow from its diameter, because its area follows the separation."""
+
+_TIMES: Final = ("birth_time", "death_time")
+_CHUNK: Final = 256  # rows with one base of their births
+_WIDTH: Final = 4  # bytes of a value
+_MARK: Final = 16  # bytes, about, that are added for a row whose end does not follow from its diameter
+_MOST_WITH_TIMES: Final = 8_000_000  # bytes of lives up to which those of a two-way slider have their times, too
+_SAME: Final = 1e-9  # share of a life up to which its end is where its diameter says
+
+
+def bytes_of(file: Reader) -> int:
+    """Return the largest number of bytes that all lives of a file take, without their times."""
+    there = file.columns["junctions"]
+    columns = 1 + sum(name in there for name in OWN[:2])
+    if "encounter" in there:
+        columns += len(OWN_OF_TOUCHES) + _MARK // _WIDTH
+    return _WIDTH * columns * file.rows("junctions")
+
+
+def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, Any]:
+    """Return rows of /junctions of a file, in order of birth, as a page holds them, ``timed`` with their times.
+
+    Values that the page computes are left out: deaths if they follow from diameters, areas, and times at constant
+    speed. Raises RunFileRefused, naming the row, if a row is not a life.
+    """
+    there = file.columns["junctions"]
+    own = [*(name for name in OWN if name in there), *(OWN_OF_TOUCHES if "encounter" in there else ())]
+    times = [name for name in _TIMES if timed and name in there and 2 * bytes_of(file) <= _MOST_WITH_TIMES]
+    columns = gather(file, rows, ["birth_distance", "death_distance", "state", *own, *times])
+    birth, death, state = (columns[name] for name in ("birth_distance", "death_distance", "state"))
+    check_numbers("junctions", rows, {name: columns[name] for name in ("birth_distance", "death_distance", *own)})
+    length = 2.0 * half_life(columns["diameter"], columns.get("lateral_offset"))
+    marked = np.flatnonzero((state != 0) | (np.abs(death - birth - length) > _SAME * length))
+    return {
+        "units": {column.name: column.units for column in JUNCTIONS.columns if column.name in there},
+        "rows": packed(rows.astype(np.uint32)) if rows.size and np.ptp(rows) >= rows.size else None,
+        "first": int(rows[0]) if rows.size else 0,
+        "columns": {name: _behind_bases(columns[name]) for name in ("birth_distance", *times)}
+        | {name: _in_short(columns[name]) for name in own},
+        "marked": {
+            "row": packed(marked.astype(np.uint32)),
+            "state": packed(state[marked].astype(np.uint8)),
+            "death": packed(death[marked]),
+        },
+    }
+
+
+def _behind_bases(values: Doubles) -> dict[str, Any]:
+    """Return ascending values as float32 differences to the first value of each chunk."""
+    bases = values[::_CHUNK]
+    behind = values - np.repeat(bases, _CHUNK)[: values.size]
+    return {"chunk": _CHUNK, "bases": packed(bases), "behind": packed(behind.astype(np.float32))}
+
+
+def _in_short(values: Doubles) -> dict[str, Any]:
+    """Return the value of all rows, if there is one, or float32 numbers."""
+    if values.size and np.ptp(values) == 0.0:
+        return {"value": float(values[0])}
+    return {"values": packed(values.astype(np.float32))}
+
+
+# Statistics.
+LIVES: Final = 8.0  # length of a segment in mean lives, for the area
+
+_PERIODS: Final = 16.0  # length of a segment in periods of what swings, for its velocity
+_TICKS: Final = (6, 14)  # powers of two between which a segment has ticks
+_SPREADS, _POINTS = 5.0, 200  # how far the density of the area is drawn, in standard deviations, and at how many areas
+_BARS: Final = 60  # of a histogram
+
+PLANE_CELLS: Final = (96, 72)  # cells of the phase plane across and up
+
+QUANTITIES: Final = {"area": "area", "velocity": "velocity", "normal": "normal-velocity", "load": "load"}
+"""What has statistics, by its name in a page, as it is called in pictures."""
+
+
+def statistics(stretch: Stretch) -> dict[str, Any]:
+    """Return what a page says of area, velocities and load over a whole run, beside what theory expects.
+
+    Of each, None if the run does not have it: the step in um or s; the ticks of a segment, their number, and the
+    two-sided density in um^4 per rad/um, um^2/s^2 per rad/s or uN^2 per rad/s with its expectation, None if theory has
+    none; ``ends`` and ``counts`` of bars. Zeros of area and load of a slider that leaves the contact are among
+    ``rows``, and not drawn. Beside them is the exact density of the area in 1/um^2. The phase plane has its ticks in
+    each cell of displacement (across) and velocity (up), row by row from below.
+    """
+    whole, model = stretch.whole(), stretch.model
+    return {
+        "density": _known(lambda: _density(model)) if stretch.has_theory else None,
+        "phase": _phase(stretch.file) if "slider" in stretch.file.columns else None,
+        **{name: _of_quantity(whole, drawn) for name, drawn in QUANTITIES.items()},
+    }
+
+
+def _of_quantity(whole: Stretch, name: str) -> dict[str, Any] | None:
+    try:
+        track = Track.of(whole, name)
+    except Refused:
+        return None
+    per_unit, column = track.quantity.scale**-2, (track.group, track.quantity.column)
+    length = (LIVES if track.swings is None else _PERIODS) / track.natural if track.natural else inf
+    ticks = 1 << int(np.clip(np.rint(np.log2(max(length / track.step, 1.0))), *_TICKS))
+    spectrum, values = welch(column_chunks(whole.file, *column), ticks, track.step), whole.file.column(*column)
+    shown, ends = values if whole.has_theory or name == "normal-velocity" else values[values > 0.0], _ends(values)
+    return {
+        "step": track.step,
+        "ticks": ticks,
+        "expected": _known(lambda: per_unit * track.expected(ticks, ticks // 2)) if track.has_theory else None,
+        "density": packed(spectrum.density),
+        "segments": spectrum.segments,
+        "ends": ends,
+        "counts": packed(np.histogram(shown, _BARS, ends)[0].astype(np.uint32)),
+        "rows": values.size,
+    }
+
+
+def _density(model: Model) -> Doubles:
+    exact = area_cumulants(model)
+    highest = exact.mean + _SPREADS * exact.std
+    area = np.linspace(max(exact.mean - _SPREADS * exact.std, highest / _POINTS), highest, _POINTS)
+    return np.stack([area, distribution(model).density(area)])
+
+
+def _known(curve: Callable[[], Doubles]) -> dict[str, str] | None:
+    try:
+        return packed(curve().ravel())
+    except Refused:
+        return None
+
+
+def _ends(values: NDArray[Any]) -> tuple[float, float]:
+    """Return the lowest and the highest value, which are never equal."""
+    low, high = float(values.min()), float(values.max())
+    return (low, high) if low < high else (low - 0.5, low + 0.5)
+
+
+def _phase(file: Rows) -> dict[str, Any]:
+    x, v = (file.column("slider", name) for name in ("displacement", "velocity"))
+    place, velocity = _ends(x), _ends(v)
+    counts = np.histogram2d(x, v, PLANE_CELLS, (place, velocity))[0]
+    return {
+        "across": PLANE_CELLS[0],
+        "place": place,
+        "velocity": velocity,
+        "counts": packed(counts.T.astype(np.uint32)),
+    }
+
+
+# The page.
 CURVES: Final = {
     "trace": ("real_contact_area", "junction_count", "friction_force"),
     "slider": ("displacement", "velocity"),

@@ -14,7 +14,7 @@ from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.figure_names import STATES
 from rubnoise.figures.tracks import lowest_and_highest
 from rubnoise.pages.page import page
-from rubnoise.pages.statistics import LIVES
+from rubnoise.pages.run_view import LIVES
 
 _MOST_RUNS: Final = 20_000  # that a page can hold
 _MOST_BEGINNINGS: Final = 200  # runs whose beginning it shows too

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.run_summary import CURVES, SummarySink
 from rubnoise.errors import OutputRefused, RunFileRefused, in_few
 from rubnoise.figure_names import DONE, FAILED, FIGURE_NAMES, PLANNED
-from rubnoise.record.reader import Reader
+from rubnoise.record.rows import Reader
 from rubnoise.regular_file import INDEX, open_stream
 from rubnoise.runs.making import describe, play
 from rubnoise.scenario.document import SECTIONS, Keep

@@ -11,13 +11,11 @@ from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import attributes_of
 from rubnoise.analysis.measured import Measured
 from rubnoise.arrays import slices
-from rubnoise.record.reader import Attributes, MemoryRecord
-from rubnoise.record.sink import Extent, Sink, Tee
+from rubnoise.record.rows import Attributes, Extent, MemoryRecord, Sink, Tee
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.draws import extent
-from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.linear import named_constants
-from rubnoise.simulation.observer import Observer
+from rubnoise.simulation.observer import Intervention, Observer
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import Watch
 from rubnoise.storage.layout import RunDescription, environment, features_of, now, software

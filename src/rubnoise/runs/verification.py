@@ -26,9 +26,7 @@ from rubnoise.answer import Answer, Row, left_out
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import RubnoiseError, RunFileRefused
 from rubnoise.figure_names import DONE
-from rubnoise.record.reader import Rows
-from rubnoise.record.rows import JunctionState
-from rubnoise.record.sink import Columns, Tee, extent_of
+from rubnoise.record.rows import Columns, JunctionState, Rows, Tee, extent_of
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import RUNS, SUFFIXES, Figures, figures_in, name_in, numbers_in, read, scenario_in, summarised
 from rubnoise.runs.making import describe

@@ -9,8 +9,7 @@ from rubnoise.scenario import fields, layers
 from rubnoise.scenario.document import SECTIONS, SWEEP, TOP, Document, Sweeping, presence
 from rubnoise.scenario.fields import Choice, Field, Key, Measure, Number, Parts, Section, Sizes, about_of, keys_of
 from rubnoise.scenario.keys import GRID
-from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES
-from rubnoise.scenario.shipped import shipped
+from rubnoise.scenario.layers import ALTERNATIVES, DAMPINGS, LOSSES, shipped
 from rubnoise.scenario.sweep import SWEPT
 from rubnoise.scenario.text import text_of, toml_value
 from rubnoise.units import NUMBER

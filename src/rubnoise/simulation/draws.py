@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles
 from rubnoise.contact.distributions import largest_of
 from rubnoise.model import Model
-from rubnoise.record.sink import Extent, extent_of
+from rubnoise.record.rows import Extent, extent_of
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, cells_per_tick
 from rubnoise.streams import Stream, uniforms

@@ -16,8 +16,7 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.contact.distributions import Law
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import FreeSeparation, Model
-from rubnoise.record.rows import JunctionState
-from rubnoise.record.sink import Appender, Columns, Sink
+from rubnoise.record.rows import Appender, Columns, JunctionState, Sink
 from rubnoise.simulation.area import has_one_strength
 from rubnoise.simulation.free.encounters import LAYERS, RoughSurface
 from rubnoise.simulation.free.motion import (

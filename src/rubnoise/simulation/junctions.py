@@ -13,8 +13,7 @@ from simpy import Environment, Interrupt
 from simpy.events import ProcessGenerator, Timeout
 
 from rubnoise.model import Model
-from rubnoise.simulation.intervention import Intervention, LiveSet, joined
-from rubnoise.simulation.observer import Notifier
+from rubnoise.simulation.observer import Intervention, LiveSet, Notifier, joined
 from rubnoise.simulation.state import LiveRows, State
 
 

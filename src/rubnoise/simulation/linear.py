@@ -14,7 +14,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled
 from rubnoise.model import Model, Separation, Slider
-from rubnoise.record.sink import Columns
+from rubnoise.record.rows import Columns
 from rubnoise.simulation.area import Drive, has_one_strength, sample
 from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import cells_per_tick

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled, compiled_within
 from rubnoise.record.rows import LandmarkKind, Phase
-from rubnoise.simulation.force_cells import ForceCells, expand
+from rubnoise.simulation.area import ForceCells, expand
 from rubnoise.simulation.series import rate, rate_of_rate, value, value_and_rate
 
 Records = NDArray[Any]  # an array of records: STATE, ROW or MARK

@@ -17,13 +17,12 @@ import numpy as np
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.sink import Sink
+from rubnoise.record.rows import Sink
 from rubnoise.simulation.area import sample
 from rubnoise.simulation.draws import Engine, draw_block, start
-from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.junctions import Processes
 from rubnoise.simulation.linear import LinearMotion, slider_constants
-from rubnoise.simulation.observer import Notifier, Observer
+from rubnoise.simulation.observer import Intervention, Notifier, Observer
 from rubnoise.simulation.state import LiveRows, State, Watch, junction_columns
 from rubnoise.simulation.ticks import tick_ranges
 

@@ -12,10 +12,10 @@ import numpy as np
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
-from rubnoise.record.sink import Appender, Sink
+from rubnoise.record.rows import Appender, Sink
+from rubnoise.simulation.area import ForceCells, force_cells
 from rubnoise.simulation.cell_moments import AFTER, ROOT_CELLS
 from rubnoise.simulation.draws import past
-from rubnoise.simulation.force_cells import ForceCells, force_cells
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.pushing import (
     BACK,

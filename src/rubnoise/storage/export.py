@@ -8,7 +8,7 @@ from typing import Final, Literal, TextIO
 import numpy as np
 
 from rubnoise.errors import Refused, needing
-from rubnoise.record.reader import chunks
+from rubnoise.record.rows import chunks
 from rubnoise.storage.format import unfailing
 from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.output import check_output, whole_file

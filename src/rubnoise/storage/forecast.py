@@ -14,7 +14,7 @@ from typing import Final
 
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
-from rubnoise.record.sink import Extent, extent_of
+from rubnoise.record.rows import Extent, extent_of
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.draws import PROGRAM_BYTES, extent, working_bytes
 from rubnoise.storage.layout import expected_bytes, features_of

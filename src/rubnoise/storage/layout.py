@@ -15,7 +15,7 @@ import numpy as np
 
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
-from rubnoise.record.sink import Extent
+from rubnoise.record.rows import Extent
 from rubnoise.storage.life_curve import CURVE_ROWS, JUNCTION_AREA_FORMULAS, TABLE_ROWS, TOUCH_AREA_FORMULA
 from rubnoise.storage.schema import CONVENTIONS, FORMAT, FORMAT_VERSION, GROUPS, Feature, Group, Scalar
 

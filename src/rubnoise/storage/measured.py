@@ -10,9 +10,8 @@ from typing import Any, Final, NoReturn
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, check_unit
 from rubnoise.errors import NoColumn, Refused
-from rubnoise.real_numbers import check_unit
 from rubnoise.units import FORCE, LENGTH, TIME, USUAL_UNITS, Quantity, is_unit, spelled, unit_or_one
 
 LARGEST_VALUE: Final = 1e60  # size of a value at most: fourth powers of values are numbers

@@ -19,7 +19,7 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.errors import Refused, RunFileRefused, naming, refusing_files
-from rubnoise.record.reader import column_chunks
+from rubnoise.record.rows import column_chunks
 from rubnoise.regular_file import NotRegular, lock, open_regular, read_into
 from rubnoise.storage import inventory, objects, schema
 from rubnoise.storage.layout import stored_groups

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import CHUNK_ROWS, slices
 from rubnoise.errors import OutputRefused, RubnoiseError, refusing_files
-from rubnoise.record.sink import Columns
+from rubnoise.record.rows import Columns
 from rubnoise.regular_file import read_into, write_all
 from rubnoise.storage.format import add_group, complete, compose, hdf5_on
 from rubnoise.storage.layout import Name, RunDescription, now, row_count, stored_groups

@@ -13,10 +13,8 @@ from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.scenario import Scenario, loads
 from rubnoise.scenario.scenario import RAYLEIGH
 from rubnoise.scenario.text import text_of
-from rubnoise.surface.gaussian import GaussianContact, half_width
-from rubnoise.surface.height_map import HeightMap
-from rubnoise.surface.normal_motion import NormalMotion, gap_slope, normal_motion
-from rubnoise.surface.waves import Waves, band_limited
+from rubnoise.surface.gaussian import GaussianContact, NormalMotion, gap_slope, half_width, normal_motion
+from rubnoise.surface.height_map import HeightMap, Waves, band_limited
 from rubnoise.theory.coupling import LoadMotion, load_motion, overlap_scale
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.second_order import autocovariance

@@ -8,10 +8,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, number_in
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
-from rubnoise.real_numbers import number_in
 from rubnoise.theory.moments import force_cumulants
 from rubnoise.theory.motion import FORCE, density_of, drive_of, need_friction
 from rubnoise.theory.second_order import are_at_random, half_power_wavenumber

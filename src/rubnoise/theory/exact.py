@@ -7,10 +7,9 @@ from math import sqrt
 
 from numpy.typing import ArrayLike
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, at_each
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.real_numbers import at_each
 from rubnoise.tables import as_html, fields_as_text, in_short
 from rubnoise.theory import moments
 from rubnoise.theory.coupling import Coupling, FreeLimits, LoadMotion, coupling, free_motion, load_motion

@@ -8,13 +8,12 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, at_each, real_numbers
 from rubnoise.contact.births import GammaBirths, PoissonBirths
 from rubnoise.contact.distributions import Law
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.real_numbers import at_each, real_numbers
 from rubnoise.tables import fields_as_text
 from rubnoise.theory import second_order
 from rubnoise.theory.motion import FORCE, covariances, strengths_of

@@ -20,12 +20,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, number_in
 from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.distributions import Fixed, Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.real_numbers import number_in
 from rubnoise.theory.sizes import longest_life, over_phases, over_sizes, panels, size_range, sizes_of
 from rubnoise.theory.unit_pulse import UnitLife, area_life, count_life, energy, from_birth, overlaps
 from rubnoise.units import LENGTH

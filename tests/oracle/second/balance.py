@@ -6,16 +6,15 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.findings import identity
-from rubnoise.analysis.selection import checked_chunks
+from rubnoise.analysis.junctions import checked_chunks
+from rubnoise.analysis.motion import Balance
 from rubnoise.answer import Row, left_out
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
-from rubnoise.record.reader import Rows
-from rubnoise.record.rows import LandmarkKind
+from rubnoise.record.rows import LandmarkKind, Rows
 
 
 class FrictionIntegral:
