@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from rubnoise.api.running import Record as Record
     from rubnoise.api.running import exact as exact
     from rubnoise.api.running import run as run
+    from rubnoise.api.running import run_sweep as run_sweep
     from rubnoise.api.running import simulate as simulate
+    from rubnoise.api.running import sweep as sweep
     from rubnoise.api.scenarios import build as build
     from rubnoise.api.scenarios import example as example
     from rubnoise.api.scenarios import examples as examples
@@ -27,8 +29,6 @@ if TYPE_CHECKING:
     from rubnoise.api.surface import Surface as Surface
     from rubnoise.api.sweep_result import SweepResult as SweepResult
     from rubnoise.api.sweep_result import open_sweep as open_sweep
-    from rubnoise.api.sweeps import run_sweep as run_sweep
-    from rubnoise.api.sweeps import sweep as sweep
     from rubnoise.api.trace import Trace as Trace
     from rubnoise.errors import Refused as Refused
     from rubnoise.errors import RubnoiseError as RubnoiseError
@@ -51,11 +51,10 @@ HOMES: Final = {
     "rubnoise.api.fit": ("Inference",),
     "rubnoise.api.inferring": ("infer",),
     "rubnoise.api.run": ("Junction", "Run", "open"),
-    "rubnoise.api.running": ("Record", "exact", "run", "simulate"),
+    "rubnoise.api.running": ("Record", "exact", "run", "run_sweep", "simulate", "sweep"),
     "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),
     "rubnoise.api.surface": ("Surface",),
     "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),
-    "rubnoise.api.sweeps": ("run_sweep", "sweep"),
     "rubnoise.api.trace": ("Trace",),
     "rubnoise.errors": ("Refused", "RubnoiseError"),
     "rubnoise.record.rows": ("JunctionState",),

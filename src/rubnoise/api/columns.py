@@ -1,6 +1,6 @@
 """Columns: numpy arrays that know their name, unit and meaning, and tables of them: groups of results and others."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, ItemsView, Iterable, Iterator, Mapping, Sequence, ValuesView
 from functools import partial
 from typing import Any, Final, Self
 
@@ -156,7 +156,6 @@ class Columns(Displayed, dict[str, Column]):
 
     __eq__ = object.__eq__
     __hash__ = object.__hash__  # type: ignore[assignment]
-    values, items, get = Mapping.values, Mapping.items, Mapping.get  # type: ignore[assignment]  # by way of __getitem__
 
     def __reduce__(self) -> tuple[Any, ...]:
         return dict.__new__, (type(self),), self.__dict__
@@ -215,6 +214,18 @@ class Columns(Displayed, dict[str, Column]):
     def keys(self) -> Iterable[str]:  # type: ignore[override]
         """Return the names, so that ``dict(run.trace)`` is a dictionary of columns."""
         return self.names
+
+    def values(self) -> ValuesView[Column]:  # type: ignore[override]
+        """Return the columns, each read when its turn comes."""
+        return ValuesView(self)
+
+    def items(self) -> ItemsView[str, Column]:  # type: ignore[override]
+        """Return names and columns."""
+        return ItemsView(self)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a column, or the default if there is none of that name."""
+        return Mapping.get(self, name, default)
 
     @property
     def units(self) -> dict[str, str]:
