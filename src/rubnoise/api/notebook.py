@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 from rubnoise.tables import as_html, as_text, shortened
 
 if TYPE_CHECKING:
-    from pandas import DataFrame as DataFrame  # type: ignore[import-untyped]
-    from xarray import Dataset as Dataset
-    from xarray import DataTree as DataTree
+    from pandas import DataFrame  # type: ignore[import-untyped]
+    from xarray import Dataset, DataTree
 else:
     DataFrame = Dataset = DataTree = Any
+
+__all__ = ["DataFrame", "DataTree", "Dataset", "Displayed", "Overview"]
 
 Overview = tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[str]]  # heading, names of columns, rows, remarks
 

@@ -79,7 +79,6 @@ class Junction(JunctionRow):
         return as_html(f"junction {self.number}", ("", "value", "unit"), rows)
 
 
-# The run.
 class Summary(list[Row]):
     """The figures in the order of the file, shown as a table: ``run.summary[0].z``."""
 
