@@ -13,8 +13,9 @@ from typing import get_type_hints
 import pytest
 
 import rubnoise
-from rubnoise.cli import app, ask
-from rubnoise.cli.app import COMMANDS, EARLIER, INSTEAD, commit_of_checkout, program, version_line
+from rubnoise.cli import ask, version
+from rubnoise.cli.app import COMMANDS, EARLIER, INSTEAD, program
+from rubnoise.cli.version import commit_of_checkout, version_line
 from tests.architecture.sources import ROOT
 from tests.shell.terminal import Answer, call, spawn
 
@@ -150,8 +151,8 @@ def test_a_package_that_pip_made_of_a_commit_names_it(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, origin: str | None, shown: str
 ) -> None:
     installed = SimpleNamespace(read_text=lambda name: origin if name == "direct_url.json" else None)
-    monkeypatch.setattr(app, "distribution", lambda _name: installed)
-    monkeypatch.setattr(app, "PACKAGE", tmp_path / "site-packages" / "rubnoise")
+    monkeypatch.setattr(version, "distribution", lambda _name: installed)
+    monkeypatch.setattr(version, "PACKAGE", tmp_path / "site-packages" / "rubnoise")
     assert version_line() == f"rubnoise {rubnoise.__version__}{shown}"
 
 

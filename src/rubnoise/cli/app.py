@@ -4,16 +4,13 @@ A call imports only the module of its command, and each command imports large li
 shows all commands, takes a tenth of a second.
 """
 
-import json
 import os
-import subprocess
 import sys
 import traceback
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, distribution
 from inspect import signature
 from io import StringIO
 from pathlib import Path
@@ -23,7 +20,6 @@ import typer
 from typer import Typer
 from typer.core import TyperCommand, TyperGroup
 
-import rubnoise
 from rubnoise.answer import printable
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, ScenarioRefused, in_shell
 
@@ -133,6 +129,8 @@ def root(
 ) -> None:
     """Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die."""
     if version:
+        from rubnoise.cli.version import version_line
+
         print(version_line())
         raise typer.Exit
 
@@ -236,35 +234,3 @@ def _error_text(problem: Exception) -> str:
         return "out of memory; a shorter run, or a coarser output.tick, needs less"
     what = " ".join(f"{type(problem).__name__}: {problem}".split())
     return f"internal error, which should not be: {what} ({DEBUG} shows where)"
-
-
-PACKAGE: Final = Path(rubnoise.__file__).parent
-SHOWN_DIGITS: Final = 12
-
-
-def version_line() -> str:
-    """Return the name of the program with its version, and with its commit if that is known."""
-    commit = commit_of_checkout(PACKAGE) or _commit_of_package()
-    return f"rubnoise {rubnoise.__version__}" + (f" (commit {commit[:SHOWN_DIGITS]})" if commit else "")
-
-
-def commit_of_checkout(package: Path) -> str:
-    """Return the commit of the checkout that a package is in, as git says; "" if it is in none of this project."""
-    root = package.parent.parent
-    if package.parent.name != "src" or not (root / "pyproject.toml").is_file():
-        return ""
-    try:
-        words = ["git", "-C", str(root), "rev-parse", "HEAD"]
-        found = subprocess.run(words, capture_output=True, text=True, check=True)  # noqa: S603  (words of our own)
-    except (OSError, subprocess.CalledProcessError):
-        return ""
-    return found.stdout.strip()
-
-
-def _commit_of_package() -> str:
-    """Return the commit from which pip installed the package, which pip records for a repository."""
-    try:
-        origin = json.loads(distribution("rubnoise").read_text("direct_url.json") or "{}")
-    except (PackageNotFoundError, OSError, ValueError):
-        return ""
-    return str(origin.get("vcs_info", {}).get("commit_id", ""))
