@@ -111,16 +111,16 @@ def _single(stretch: Stretch, life: Life | None = None, *, touches: bool = False
 
     Raises Refused for too many of them.
     """
+    if life is not None:
+        shown = stretch.about(life.birth_distance, life.death_distance, MARGIN)
+        alive = neighbours(stretch.file, shown.start, shown.stop)
+        apart = np.abs(alive.birth + alive.death - life.birth_distance - life.death_distance)
+        return shown, alive.chosen(np.sort(np.argsort(apart, kind="stable")[:MOST_DRAWN]))
     model = stretch.model
     births = max(DEFAULT_DRAWN - model.mean_junction_count, 0.1 * model.mean_junction_count)
     width = min(LAYER_LIVES * model.mean_life_distance, births * model.mean_birth_spacing)
     shown = stretch.narrowed(width if stretch.has_theory else 40.0 * model.mean_life_distance)
-    if life is not None:
-        shown = stretch.about(life.birth_distance, life.death_distance, MARGIN)
     alive = neighbours(stretch.file, shown.start, shown.stop, touches=touches)
-    if life is not None:
-        apart = np.abs(alive.birth + alive.death - life.birth_distance - life.death_distance)
-        return shown, alive.chosen(np.sort(np.argsort(apart, kind="stable")[:MOST_DRAWN]))
     if alive.rows.size > MOST_DRAWN:
         raise Refused(
             f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
@@ -141,7 +141,7 @@ def draw_lives(figure: Figure, stretch: Stretch, life: Life | None = None) -> st
     tallest = areas.max(axis=1, initial=0.0)
     marked = int(np.argmax(np.append(tallest, 0.0) if life is None else alive.rows == life.number))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
-    if alive.rows.size < MOST_DRAWN:
+    if life is None or alive.rows.size < MOST_DRAWN:
         style.exact_band(above, law.mean, law.std)
         panes.draw_layers(above, place, areas, marked)
     else:
